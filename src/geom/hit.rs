@@ -1,0 +1,121 @@
+//! Hits, and the one fixed content of a miss.
+
+use wide::{f32x8, u32x8};
+
+use super::lanes::{Lanes, Mask8};
+
+/// Outcome of intersecting one ray (`Hit<f32>`) or a packet (`Hit<f32x8>`).
+///
+/// A lane that misses holds exactly [`Hit::MISS`], so two hits are identical when their bits are
+/// ([`Hit::to_bits`]); a hit never holds a NaN.
+///
+/// | shape | `t` | `u`, `v` |
+/// | --- | --- | --- |
+/// | triangle | where the ray meets it | barycentrics: `p = v0 + u·(v1 - v0) + v·(v2 - v0)` |
+/// | box | where the ray enters it, clipped to the ray's interval | `u`: where it leaves, clipped; `v = 0` |
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit<L: Lanes> {
+    /// Which lanes hit.
+    pub mask: L::Mask,
+    /// Ray parameter, in units of `|dir|`.
+    pub t: L,
+    /// First surface parameter.
+    pub u: L,
+    /// Second surface parameter.
+    pub v: L,
+    /// Which primitive was hit; 0 where there is only one, `u32::MAX` in a lane that misses.
+    pub primitive: L::Index,
+}
+
+impl Hit<f32> {
+    /// The content of every miss.
+    pub const MISS: Self = Self { mask: false, t: f32::INFINITY, u: 0.0, v: 0.0, primitive: u32::MAX };
+
+    /// A hit of primitive 0 where `mask` is set, else [`Hit::MISS`].
+    #[inline(always)]
+    pub fn new(mask: bool, t: f32, u: f32, v: f32) -> Self {
+        if mask { Self { mask, t, u, v, primitive: 0 } } else { Self::MISS }
+    }
+
+    /// The bits of `t`, `u`, `v` and the primitive number. They determine the mask.
+    #[inline]
+    pub fn to_bits(&self) -> [u32; 4] {
+        [self.t.to_bits(), self.u.to_bits(), self.v.to_bits(), self.primitive]
+    }
+
+    /// Whether this hit comes before `other`: smaller `t`, and the lower primitive number between equal `t`.
+    #[inline(always)]
+    pub fn is_closer_than(&self, other: &Self) -> bool {
+        (self.t < other.t) | ((self.t == other.t) & (self.primitive < other.primitive))
+    }
+}
+
+impl Hit<f32x8> {
+    /// Eight misses.
+    #[inline(always)]
+    pub fn miss() -> Self {
+        Self::new(Mask8::none(), f32x8::ZERO, f32x8::ZERO, f32x8::ZERO)
+    }
+
+    /// A hit of primitive 0 in the lanes of `mask`, [`Hit::MISS`] in the others.
+    #[inline(always)]
+    pub fn new(mask: Mask8, t: f32x8, u: f32x8, v: f32x8) -> Self {
+        Self {
+            mask,
+            t: mask.select(t, f32x8::splat(f32::INFINITY)),
+            u: mask.select(u, f32x8::ZERO),
+            v: mask.select(v, f32x8::ZERO),
+            primitive: mask.select_u32(u32x8::splat(0), u32x8::splat(u32::MAX)),
+        }
+    }
+
+    /// The hit in lane `index`.
+    ///
+    /// # Panics
+    /// If `index >= 8`.
+    #[inline]
+    pub fn lane(&self, index: usize) -> Hit<f32> {
+        Hit {
+            mask: self.mask.lane(index),
+            t: self.t.to_array()[index],
+            u: self.u.to_array()[index],
+            v: self.v.to_array()[index],
+            primitive: self.primitive.to_array()[index],
+        }
+    }
+
+    /// All eight lanes.
+    #[inline]
+    pub fn lanes(&self) -> [Hit<f32>; 8] {
+        core::array::from_fn(|index| self.lane(index))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_miss_has_one_content() {
+        let nan = f32x8::splat(f32::NAN);
+        let mask = Mask8::from_lanes([true, false, false, false, false, false, false, true]);
+        let hit = Hit::<f32x8>::new(mask, f32x8::splat(2.0), f32x8::splat(0.25), f32x8::splat(-0.0));
+        assert_eq!(hit.lane(0).to_bits(), Hit::<f32>::new(true, 2.0, 0.25, -0.0).to_bits());
+        for lane in 1..7 {
+            assert_eq!(hit.lane(lane).to_bits(), Hit::MISS.to_bits());
+            assert_eq!(Hit::<f32x8>::new(Mask8::none(), nan, nan, nan).lane(lane).to_bits(), Hit::MISS.to_bits());
+        }
+        assert_eq!(Hit::<f32>::new(false, f32::NAN, f32::NAN, f32::NAN).to_bits(), Hit::MISS.to_bits());
+    }
+
+    #[test]
+    fn the_lower_primitive_wins_between_equal_t() {
+        let mut first = Hit::<f32>::new(true, 1.0, 0.0, 0.0);
+        let mut second = first;
+        first.primitive = 3;
+        second.primitive = 4;
+        assert!(first.is_closer_than(&second) && !second.is_closer_than(&first));
+        assert!(!first.is_closer_than(&first));
+        assert!(second.is_closer_than(&Hit::MISS) && !Hit::<f32>::MISS.is_closer_than(&Hit::MISS));
+    }
+}

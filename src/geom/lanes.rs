@@ -1,0 +1,436 @@
+//! Lane types, and every operation whose scalar and packet meaning could drift apart, as a tested pair.
+//!
+//! `+ - * /`, negation and comparisons mean the same for `f32` and `f32x8` on every target, so kernels use them
+//! directly. What follows is the rest: minimum and maximum (`f32::min`, `f32x8::min` and `f32x8::fast_min` disagree on
+//! signed zeros and NaN), sign tests (`x < 0` misses `-0`), and selection, which is only defined for comparison masks
+//! and therefore goes through [`Mask8`]. There is deliberately no reciprocal (`f32x8::recip` has 12 bits; write
+//! `1.0 / x`) and no multiply-add (`f32x8::mul_add` fuses only when the build enables FMA).
+
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
+
+use glam::Vec3;
+use wide::{f32x8, u32x8};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for wide::f32x8 {}
+}
+
+/// What a ray, a hit or a prepared primitive is made of: `f32` (one) or `f32x8` (eight, as structure of arrays).
+pub trait Lanes: sealed::Sealed + Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// How many lanes: 1 or 8.
+    const COUNT: usize;
+    /// Three-dimensional vector: [`glam::Vec3`] or [`Vec3x8`].
+    type Vec3: Copy + Debug + PartialEq + Send + Sync + 'static;
+    /// Outcome of a comparison: `bool` or [`Mask8`].
+    type Mask: Copy + Debug + PartialEq + Send + Sync + 'static;
+    /// Primitive numbers: `u32` or `u32x8`.
+    type Index: Copy + Debug + PartialEq + Send + Sync + 'static;
+
+    /// Eight lanes holding this value; eight lanes stay as they are.
+    fn widen(self) -> f32x8;
+    /// [`Lanes::widen`] for each component.
+    fn widen_vec3(vector: Self::Vec3) -> Vec3x8;
+}
+
+impl Lanes for f32 {
+    const COUNT: usize = 1;
+    type Vec3 = Vec3;
+    type Mask = bool;
+    type Index = u32;
+
+    #[inline(always)]
+    fn widen(self) -> f32x8 {
+        f32x8::splat(self)
+    }
+
+    #[inline(always)]
+    fn widen_vec3(vector: Vec3) -> Vec3x8 {
+        Vec3x8::splat(vector)
+    }
+}
+
+impl Lanes for f32x8 {
+    const COUNT: usize = 8;
+    type Vec3 = Vec3x8;
+    type Mask = Mask8;
+    type Index = u32x8;
+
+    #[inline(always)]
+    fn widen(self) -> f32x8 {
+        self
+    }
+
+    #[inline(always)]
+    fn widen_vec3(vector: Vec3x8) -> Vec3x8 {
+        vector
+    }
+}
+
+/// Eight comparison outcomes. It can only be made by comparing, so selecting with it is well defined on every target.
+#[derive(Clone, Copy, Debug)]
+pub struct Mask8(f32x8);
+
+impl Mask8 {
+    /// No lane.
+    #[inline(always)]
+    pub fn none() -> Self {
+        lt8(f32x8::ZERO, f32x8::ZERO)
+    }
+
+    /// Every lane.
+    #[inline(always)]
+    pub fn all_lanes() -> Self {
+        le8(f32x8::ZERO, f32x8::ZERO)
+    }
+
+    /// Lane `i` is set where `lanes[i]` is.
+    #[inline]
+    pub fn from_lanes(lanes: [bool; 8]) -> Self {
+        ne8(f32x8::new(lanes.map(|lane| f32::from(u8::from(lane)))), f32x8::ZERO)
+    }
+
+    /// Bit `i` is lane `i`; the upper 24 bits are zero.
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        self.0.to_bitmask()
+    }
+
+    /// Whether lane `index` is set.
+    ///
+    /// # Panics
+    /// If `index >= 8`.
+    #[inline(always)]
+    pub fn lane(self, index: usize) -> bool {
+        assert!(index < 8, "a mask has 8 lanes, asked for {index}");
+        self.bits() >> index & 1 == 1
+    }
+
+    /// Whether any lane is set.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.bits() != 0
+    }
+
+    /// Whether all eight lanes are set.
+    #[inline(always)]
+    pub fn all(self) -> bool {
+        self.bits() == 0xff
+    }
+
+    /// `if lane { if_set } else { if_clear }`, lane by lane.
+    #[inline(always)]
+    pub fn select(self, if_set: f32x8, if_clear: f32x8) -> f32x8 {
+        self.0.select(if_set, if_clear)
+    }
+
+    /// [`Mask8::select`] for whole numbers.
+    #[inline(always)]
+    pub fn select_u32(self, if_set: u32x8, if_clear: u32x8) -> u32x8 {
+        f32x8::to_bits(self.0.select(f32x8::from_bits(if_set), f32x8::from_bits(if_clear)))
+    }
+
+    /// [`Mask8::select`] for each component.
+    #[inline(always)]
+    pub fn select_vec3(self, if_set: Vec3x8, if_clear: Vec3x8) -> Vec3x8 {
+        Vec3x8 {
+            x: self.select(if_set.x, if_clear.x),
+            y: self.select(if_set.y, if_clear.y),
+            z: self.select(if_set.z, if_clear.z),
+        }
+    }
+}
+
+impl PartialEq for Mask8 {
+    fn eq(&self, other: &Self) -> bool {
+        self.bits() == other.bits()
+    }
+}
+
+impl BitAnd for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+/// `a < b`; a NaN on either side clears the lane, as it makes the scalar comparison false.
+#[inline(always)]
+pub fn lt8(a: f32x8, b: f32x8) -> Mask8 {
+    Mask8(a.simd_lt(b))
+}
+
+/// `a <= b`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn le8(a: f32x8, b: f32x8) -> Mask8 {
+    Mask8(a.simd_le(b))
+}
+
+/// `a > b`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn gt8(a: f32x8, b: f32x8) -> Mask8 {
+    Mask8(a.simd_gt(b))
+}
+
+/// `a >= b`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn ge8(a: f32x8, b: f32x8) -> Mask8 {
+    Mask8(a.simd_ge(b))
+}
+
+/// `a == b`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn eq8(a: f32x8, b: f32x8) -> Mask8 {
+    Mask8(a.simd_eq(b))
+}
+
+/// `a != b`; a NaN on either side **sets** the lane, as it makes the scalar comparison true.
+#[inline(always)]
+pub fn ne8(a: f32x8, b: f32x8) -> Mask8 {
+    Mask8(a.simd_ne(b))
+}
+
+/// The smaller of two numbers; `b` when they are equal (also as ±0) or one is NaN.
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// [`min`] in eight lanes.
+#[inline(always)]
+pub fn min8(a: f32x8, b: f32x8) -> f32x8 {
+    lt8(a, b).select(a, b)
+}
+
+/// The larger of two numbers; `b` when they are equal (also as ±0) or one is NaN.
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// [`max`] in eight lanes.
+#[inline(always)]
+pub fn max8(a: f32x8, b: f32x8) -> f32x8 {
+    gt8(a, b).select(a, b)
+}
+
+/// Whether the sign bit is set: true for `-0.0`, `-inf` and negative NaN.
+#[inline(always)]
+pub fn sign_bit(a: f32) -> bool {
+    a.is_sign_negative()
+}
+
+/// [`sign_bit`] in eight lanes.
+#[inline(always)]
+pub fn sign_bit8(a: f32x8) -> Mask8 {
+    Mask8(a.is_sign_negative())
+}
+
+/// Whether a hit at `t` lies in the closed interval and is a number that a ray can reach: NaN and ±∞ are refused,
+/// also by an infinite interval.
+#[inline(always)]
+pub fn accepts(t_min: f32, t: f32, t_max: f32) -> bool {
+    (t >= t_min) & (t <= t_max) & (t.abs() < f32::INFINITY)
+}
+
+/// [`accepts`] in eight lanes.
+#[inline(always)]
+pub fn accepts8(t_min: f32x8, t: f32x8, t_max: f32x8) -> Mask8 {
+    ge8(t, t_min) & le8(t, t_max) & lt8(t.abs(), f32x8::splat(f32::INFINITY))
+}
+
+/// Eight vectors as structure of arrays, spelled operation for operation like [`glam::Vec3`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vec3x8 {
+    /// First components.
+    pub x: f32x8,
+    /// Second components.
+    pub y: f32x8,
+    /// Third components.
+    pub z: f32x8,
+}
+
+impl Vec3x8 {
+    /// Eight copies of one vector.
+    #[inline(always)]
+    pub fn splat(v: Vec3) -> Self {
+        Self { x: f32x8::splat(v.x), y: f32x8::splat(v.y), z: f32x8::splat(v.z) }
+    }
+
+    /// Lane `i` becomes `lanes[i]`.
+    #[inline]
+    pub fn from_lanes(lanes: [Vec3; 8]) -> Self {
+        Self { x: f32x8::new(lanes.map(|v| v.x)), y: f32x8::new(lanes.map(|v| v.y)), z: f32x8::new(lanes.map(|v| v.z)) }
+    }
+
+    /// The vector in lane `index`.
+    ///
+    /// # Panics
+    /// If `index >= 8`.
+    #[inline]
+    pub fn lane(self, index: usize) -> Vec3 {
+        Vec3::new(self.x.to_array()[index], self.y.to_array()[index], self.z.to_array()[index])
+    }
+
+    /// `x·x' + y·y' + z·z'`, added from the left.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> f32x8 {
+        (self.x * other.x) + (self.y * other.y) + (self.z * other.z)
+    }
+
+    /// Cross product, with the factors in glam's order.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+}
+
+impl Add for Vec3x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Sub for Vec3x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl Mul<f32x8> for Vec3x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, scale: f32x8) -> Self {
+        Self { x: self.x * scale, y: self.y * scale, z: self.z * scale }
+    }
+}
+
+impl Neg for Vec3x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers that separate definitions: signed zeros, subnormals, infinities, NaN of both signs.
+    const SHARP: [f32; 14] = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        1.5,
+        f32::MIN_POSITIVE,
+        -f32::MIN_POSITIVE,
+        1e-45,
+        -1e-45,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+        -f32::NAN,
+    ];
+
+    /// Checks a binary pair on every pair of sharp numbers, in every lane.
+    fn same_bits(name: &str, scalar: fn(f32, f32) -> f32, packet: fn(f32x8, f32x8) -> f32x8) {
+        for a in SHARP {
+            for b in SHARP {
+                let expected = scalar(a, b).to_bits();
+                for (lane, got) in packet(f32x8::splat(a), f32x8::splat(b)).to_array().iter().enumerate() {
+                    assert_eq!(got.to_bits(), expected, "{name}({a:?}, {b:?}) in lane {lane}");
+                }
+            }
+        }
+    }
+
+    fn same_masks(name: &str, scalar: fn(f32, f32) -> bool, packet: fn(f32x8, f32x8) -> Mask8) {
+        for a in SHARP {
+            for b in SHARP {
+                let expected = if scalar(a, b) { 0xff } else { 0 };
+                assert_eq!(packet(f32x8::splat(a), f32x8::splat(b)).bits(), expected, "{name}({a:?}, {b:?})");
+            }
+        }
+    }
+
+    #[test]
+    fn pairs_agree_on_sharp_numbers() {
+        same_bits("min", min, min8);
+        same_bits("max", max, max8);
+        same_masks("lt", |a, b| a < b, lt8);
+        same_masks("le", |a, b| a <= b, le8);
+        same_masks("gt", |a, b| a > b, gt8);
+        same_masks("ge", |a, b| a >= b, ge8);
+        same_masks("eq", |a, b| a == b, eq8);
+        same_masks("ne", |a, b| a != b, ne8);
+        same_masks("sign_bit", |a, _| sign_bit(a), |a, _| sign_bit8(a));
+        same_masks("accepts", |a, b| accepts(-1.0, a, b), |a, b| accepts8(f32x8::splat(-1.0), a, b));
+    }
+
+    #[test]
+    fn min_and_max_return_the_second_of_equals_and_beside_nan() {
+        assert_eq!(min(0.0, -0.0).to_bits(), (-0.0f32).to_bits());
+        assert_eq!(max(-0.0, 0.0).to_bits(), 0);
+        assert_eq!(min(f32::NAN, 1.0), 1.0);
+        assert!(min(1.0, f32::NAN).is_nan());
+        assert_eq!(max(f32::NAN, 1.0), 1.0);
+        assert!(max(1.0, f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn masks_keep_their_lanes_apart() {
+        let even = Mask8::from_lanes([true, false, true, false, true, false, true, false]);
+        assert_eq!(even.bits(), 0b0101_0101);
+        assert_eq!((!even).bits(), 0b1010_1010);
+        assert!(even.lane(6) && !even.lane(7));
+        assert!((even | !even).all() && !(even & !even).any());
+        let chosen = even.select(f32x8::splat(1.0), f32x8::splat(-0.0)).to_array();
+        assert_eq!(chosen.map(f32::to_bits), [1.0, -0.0, 1.0, -0.0, 1.0, -0.0, 1.0, -0.0].map(f32::to_bits));
+        let numbers = even.select_u32(u32x8::splat(7), u32x8::splat(u32::MAX)).to_array();
+        assert_eq!(numbers, [7, u32::MAX, 7, u32::MAX, 7, u32::MAX, 7, u32::MAX]);
+    }
+
+    #[test]
+    fn vectors_round_like_glam() {
+        let (a, b) = (Vec3::new(0.1, -2.7, 1e8), Vec3::new(3.3, 0.7, -1e-3));
+        let (a8, b8) = (Vec3x8::splat(a), Vec3x8::splat(b));
+        for lane in 0..8 {
+            assert_eq!(a8.dot(b8).to_array()[lane].to_bits(), a.dot(b).to_bits());
+            assert_eq!(a8.cross(b8).lane(lane).to_array().map(f32::to_bits), a.cross(b).to_array().map(f32::to_bits));
+            assert_eq!((a8 - b8).lane(lane), a - b);
+            assert_eq!((a8 + b8).lane(lane), a + b);
+            assert_eq!((a8 * f32x8::splat(0.3)).lane(lane), a * 0.3);
+            assert_eq!((-a8).lane(lane), -a);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Rays and packets of eight rays.
+
+use glam::Vec3;
+use wide::f32x8;
+
+use super::lanes::{Lanes, Mask8, Vec3x8, eq8, ne8};
+
+/// One ray (`Ray<f32>`) or a packet of eight (`Ray<f32x8>`): the points `origin + t·dir` with `t_min <= t <= t_max`.
+///
+/// `dir` need not have unit length: `t` counts in units of `|dir|`, and is the same before and after an affine
+/// transform of the ray. `t_max` may be infinite. An interval with `t_min > t_max` is empty; that is how a lane of a
+/// packet is switched off. A ray with a NaN anywhere, a zero direction, or an infinite origin or direction misses
+/// everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray<L: Lanes> {
+    /// Where `t` is zero.
+    pub origin: L::Vec3,
+    /// The step per unit of `t`.
+    pub dir: L::Vec3,
+    /// Least `t` that counts.
+    pub t_min: L,
+    /// Greatest `t` that counts.
+    pub t_max: L,
+}
+
+impl Ray<f32> {
+    /// The ray from `origin` along `dir`, `0 <= t`.
+    #[inline]
+    pub fn new(origin: Vec3, dir: Vec3) -> Self {
+        Self { origin, dir, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// A ray that misses everything: it fills the unused lanes of a partial packet.
+    pub const INACTIVE: Self =
+        Self { origin: Vec3::ZERO, dir: Vec3::ZERO, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY };
+
+    /// The point at parameter `t`.
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.dir * t
+    }
+
+    /// Whether origin and direction are finite and the direction is not zero. The interval is not looked at: a NaN
+    /// bound already fails every comparison.
+    #[inline(always)]
+    pub fn is_valid(&self) -> bool {
+        let (o, d) = (self.origin, self.dir);
+        // x - x is 0 for a finite x and NaN otherwise.
+        let residue = ((o.x - o.x) + (o.y - o.y) + (o.z - o.z)) + ((d.x - d.x) + (d.y - d.y) + (d.z - d.z));
+        (residue == 0.0) & ((d.x != 0.0) | (d.y != 0.0) | (d.z != 0.0))
+    }
+}
+
+impl Ray<f32x8> {
+    /// Eight copies of one ray.
+    #[inline(always)]
+    pub fn splat(ray: &Ray<f32>) -> Self {
+        Self {
+            origin: Vec3x8::splat(ray.origin),
+            dir: Vec3x8::splat(ray.dir),
+            t_min: f32x8::splat(ray.t_min),
+            t_max: f32x8::splat(ray.t_max),
+        }
+    }
+
+    /// Lane `i` becomes `lanes[i]`.
+    #[inline]
+    pub fn from_lanes(lanes: &[Ray<f32>; 8]) -> Self {
+        Self {
+            origin: Vec3x8::from_lanes(lanes.map(|ray| ray.origin)),
+            dir: Vec3x8::from_lanes(lanes.map(|ray| ray.dir)),
+            t_min: f32x8::new(lanes.map(|ray| ray.t_min)),
+            t_max: f32x8::new(lanes.map(|ray| ray.t_max)),
+        }
+    }
+
+    /// A packet of the first eight rays, or of fewer, with the remaining lanes [`Ray::INACTIVE`].
+    #[inline]
+    pub fn from_slice(rays: &[Ray<f32>]) -> Self {
+        let mut lanes = [Ray::INACTIVE; 8];
+        for (lane, ray) in lanes.iter_mut().zip(rays) {
+            *lane = *ray;
+        }
+        Self::from_lanes(&lanes)
+    }
+
+    /// The ray in lane `index`.
+    ///
+    /// # Panics
+    /// If `index >= 8`.
+    #[inline]
+    pub fn lane(&self, index: usize) -> Ray<f32> {
+        Ray {
+            origin: self.origin.lane(index),
+            dir: self.dir.lane(index),
+            t_min: self.t_min.to_array()[index],
+            t_max: self.t_max.to_array()[index],
+        }
+    }
+
+    /// [`Ray::<f32>::is_valid`] in eight lanes.
+    #[inline(always)]
+    pub fn is_valid(&self) -> Mask8 {
+        let (o, d) = (self.origin, self.dir);
+        let residue = ((o.x - o.x) + (o.y - o.y) + (o.z - o.z)) + ((d.x - d.x) + (d.y - d.y) + (d.z - d.z));
+        let zero = f32x8::ZERO;
+        eq8(residue, zero) & (ne8(d.x, zero) | ne8(d.y, zero) | ne8(d.z, zero))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn validity_is_the_same_in_both_twins() {
+        let good = Ray::new(Vec3::ONE, Vec3::X);
+        let mut rays = [good; 8];
+        rays[1].origin.y = f32::NAN;
+        rays[2].origin.z = f32::INFINITY;
+        rays[3].dir = Vec3::new(0.0, -0.0, 0.0);
+        rays[4].dir.x = f32::NEG_INFINITY;
+        rays[5].dir.z = 1e-45;
+        rays[6].dir.y = f32::NAN;
+        rays[7].origin = Vec3::splat(f32::MAX);
+        let expected = [true, false, false, false, false, true, false, true];
+        assert_eq!(rays.map(|ray| ray.is_valid()), expected);
+        assert_eq!(Ray::from_lanes(&rays).is_valid(), Mask8::from_lanes(expected));
+    }
+
+    #[test]
+    fn partial_packets_are_filled_with_inactive_rays() {
+        let packet = Ray::from_slice(&[Ray::new(Vec3::ZERO, Vec3::Z); 3]);
+        assert_eq!(packet.lane(2).dir, Vec3::Z);
+        assert_eq!(packet.lane(3), Ray::INACTIVE);
+    }
+}

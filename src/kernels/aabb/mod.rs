@@ -1,0 +1,155 @@
+//! Axis-aligned boxes by slabs: a box is the intersection of three pairs of parallel planes, and a ray is inside it
+//! where its three intervals between those planes overlap.
+//!
+//! Source of the method: T. L. Kay and J. T. Kajiya, "Ray Tracing Complex Scenes", 1986. A hit's `t` is the entry
+//! distance and its `u` the exit distance, both clipped to the ray's interval; `hit.mask` is the textbook's yes or no.
+//! A ray on the surface hits (boxes are closed), and a flat box can be hit.
+//!
+//! The four kernels differ where a ray runs parallel to a slab (`0/0` or `0·∞` on its planes) and where it grazes an
+//! edge or a corner, so that entry and exit are equal but for rounding.
+
+mod division;
+mod padded;
+mod reciprocal;
+mod sign_selected;
+
+pub use division::Division;
+pub use padded::Padded;
+pub use reciprocal::Reciprocal;
+pub use sign_selected::SignSelected;
+
+use glam::Vec3;
+use wide::f32x8;
+
+use crate::geom::lanes::{Lanes, Vec3x8, max, max8, min, min8, sign_bit, sign_bit8};
+use crate::geom::{Aabb, Ray};
+
+/// The corners of one box or of eight: what all slab kernels store, 24 bytes a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slabs<P: Lanes> {
+    /// Least corners.
+    pub lo: P::Vec3,
+    /// Greatest corners.
+    pub hi: P::Vec3,
+}
+
+impl Slabs<f32> {
+    fn prepare(shape: &Aabb) -> Self {
+        let Aabb { lo, hi } = shape.or_empty();
+        Self { lo, hi }
+    }
+}
+
+impl Slabs<f32x8> {
+    fn gather(boxes: [Slabs<f32>; 8]) -> Self {
+        Self { lo: Vec3x8::from_lanes(boxes.map(|b| b.lo)), hi: Vec3x8::from_lanes(boxes.map(|b| b.hi)) }
+    }
+}
+
+impl<P: Lanes> Slabs<P> {
+    #[inline(always)]
+    fn widen(&self) -> Slabs<f32x8> {
+        Slabs { lo: P::widen_vec3(self.lo), hi: P::widen_vec3(self.hi) }
+    }
+}
+
+/// The per-ray data of the kernels that multiply by the inverse direction.
+///
+/// A ray that misses everything ([`Ray`]) gets an empty interval here, because a slab test has no other way to notice
+/// a NaN origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseDirection<L: Lanes> {
+    /// `1 / dir`, with `±∞` for `±0`.
+    pub inv_dir: L::Vec3,
+    /// The ray's interval, or an empty one.
+    pub t_min: L,
+    /// The ray's interval, or an empty one.
+    pub t_max: L,
+}
+
+impl InverseDirection<f32> {
+    /// Three divisions and the validity check.
+    #[inline(always)]
+    pub fn of(ray: &Ray<f32>) -> Self {
+        let Interval { t_min, t_max } = Interval::<f32>::of(ray);
+        Self { inv_dir: Vec3::new(1.0 / ray.dir.x, 1.0 / ray.dir.y, 1.0 / ray.dir.z), t_min, t_max }
+    }
+}
+
+impl InverseDirection<f32x8> {
+    /// [`InverseDirection::<f32>::of`] in eight lanes.
+    #[inline(always)]
+    pub fn of(ray: &Ray<f32x8>) -> Self {
+        let Interval { t_min, t_max } = Interval::<f32x8>::of(ray);
+        let one = f32x8::ONE;
+        Self { inv_dir: Vec3x8 { x: one / ray.dir.x, y: one / ray.dir.y, z: one / ray.dir.z }, t_min, t_max }
+    }
+}
+
+/// The ray's interval, made empty where the ray misses everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval<L: Lanes> {
+    /// Least `t`.
+    pub t_min: L,
+    /// Greatest `t`.
+    pub t_max: L,
+}
+
+impl Interval<f32> {
+    #[inline(always)]
+    fn of(ray: &Ray<f32>) -> Self {
+        if ray.is_valid() {
+            Self { t_min: ray.t_min, t_max: ray.t_max }
+        } else {
+            Self { t_min: f32::INFINITY, t_max: f32::NEG_INFINITY }
+        }
+    }
+}
+
+impl Interval<f32x8> {
+    #[inline(always)]
+    fn of(ray: &Ray<f32x8>) -> Self {
+        let valid = ray.is_valid();
+        Self {
+            t_min: valid.select(ray.t_min, f32x8::splat(f32::INFINITY)),
+            t_max: valid.select(ray.t_max, f32x8::splat(f32::NEG_INFINITY)),
+        }
+    }
+}
+
+/// Entry and exit distance, clipped to the ray's interval, with near and far plane of each slab chosen by the sign bit
+/// of the inverse direction.
+///
+/// A NaN (`0·∞`: the ray runs within a plane of the slab) fails its comparison and so drops out: such a slab does not
+/// limit the ray. `(plane - origin) * inv_dir` is monotonic in `plane` under rounding, so a box that contains another
+/// one never has a later entry nor an earlier exit. The tracer's guarantee rests on that.
+#[inline(always)]
+pub(crate) fn slab_interval(slabs: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> (f32, f32) {
+    let (mut entry, mut exit) = (setup.t_min, setup.t_max);
+    for axis in 0..3 {
+        let (lo, hi, inv) = (slabs.lo[axis], slabs.hi[axis], setup.inv_dir[axis]);
+        let (near, far) = if sign_bit(inv) { (hi, lo) } else { (lo, hi) };
+        let (t_near, t_far) = ((near - origin[axis]) * inv, (far - origin[axis]) * inv);
+        entry = max(t_near, entry);
+        exit = min(t_far, exit);
+    }
+    (entry, exit)
+}
+
+/// [`slab_interval`] in eight lanes.
+#[inline(always)]
+pub(crate) fn slab_interval8(slabs: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> (f32x8, f32x8) {
+    let (mut entry, mut exit) = (setup.t_min, setup.t_max);
+    for (lo, hi, origin, inv) in [
+        (slabs.lo.x, slabs.hi.x, origin.x, setup.inv_dir.x),
+        (slabs.lo.y, slabs.hi.y, origin.y, setup.inv_dir.y),
+        (slabs.lo.z, slabs.hi.z, origin.z, setup.inv_dir.z),
+    ] {
+        let negative = sign_bit8(inv);
+        let (near, far) = (negative.select(hi, lo), negative.select(lo, hi));
+        let (t_near, t_far) = ((near - origin) * inv, (far - origin) * inv);
+        entry = max8(t_near, entry);
+        exit = min8(t_far, exit);
+    }
+    (entry, exit)
+}

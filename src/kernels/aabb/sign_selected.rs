@@ -1,0 +1,75 @@
+//! `aabb/sign_selected`: near and far by sign bit, NaN drops out.
+//!
+//! **Source:** A. Williams, S. Barrus, R. K. Morley, P. Shirley, "An Efficient and Robust Ray-Box Intersection
+//! Algorithm", 2005 (sign of the inverse direction); the order of operands that lets a NaN drop out is discussed in T.
+//! Barnes, "Fast, Branchless Ray/Bounding Box Intersections, Part 2: NaNs", 2015.
+//!
+//! **Idea:** the sign bit of the inverse direction, which −0 has and +0 has not, says which plane of a slab is near.
+//! The accumulators are replaced only by a comparison that succeeds, and `0·∞` never does.
+//!
+//! **Edges:** a ray within a plane of a slab that it runs parallel to hits, as it should. At edges and corners entry and
+//! exit are equal but for rounding, and some rays are lost.
+//!
+//! **Operations:** 6 subtractions, 6 multiplications; setup 3 divisions. Each distance has a relative error of at most
+//! γ₃ = 3ε / (1 - 3ε), ε = 2⁻²⁴, unless a product over- or underflows.
+
+use wide::f32x8;
+
+use super::{InverseDirection, Slabs, slab_interval, slab_interval8};
+use crate::geom::lanes::{Lanes, le8};
+use crate::geom::{Aabb, Hit, Ray};
+use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
+
+/// Boxes for the sign-selected slab test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignSelected<P: Lanes>(Slabs<P>);
+
+impl Kernel for SignSelected<f32> {
+    type Shape = Aabb;
+    type Packet = SignSelected<f32x8>;
+    const INFO: Info = Info {
+        id: Id::of("aabb/sign_selected"),
+        idea: "near and far plane by the sign bit of the inverse direction, so that NaN drops out",
+        source: "Williams, Barrus, Morley, Shirley, \"An Efficient and Robust Ray-Box Intersection Algorithm\", 2005",
+        operations: Operations { mul: 6, add: 6, div: 0 },
+        claims: &[],
+    };
+
+    fn prepare(shape: &Aabb) -> Self {
+        Self(Slabs::prepare(shape))
+    }
+
+    fn gather(primitives: &[Self; 8]) -> Self::Packet {
+        SignSelected(Slabs::gather(primitives.map(|primitive| primitive.0)))
+    }
+}
+
+impl Intersect<f32> for SignSelected<f32> {
+    type Setup = InverseDirection<f32>;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32>) -> Self::Setup {
+        InverseDirection::<f32>::of(ray)
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+        let (entry, exit) = slab_interval(&self.0, ray.origin, setup);
+        Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
+    }
+}
+
+impl<P: Lanes> Intersect<f32x8> for SignSelected<P> {
+    type Setup = InverseDirection<f32x8>;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32x8>) -> Self::Setup {
+        InverseDirection::<f32x8>::of(ray)
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+        let (entry, exit) = slab_interval8(&self.0.widen(), ray.origin, setup);
+        Hit::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
+    }
+}

@@ -1,0 +1,146 @@
+//! The contract between twins, and the families of kernels.
+//!
+//! A kernel is a struct generic over its lane type: `MollerTrumbore<f32>` is one prepared triangle,
+//! `MollerTrumbore<f32x8>` eight of them. It is written twice:
+//!
+//! - the **scalar twin**, `impl Intersect<f32> for K<f32>`, in plain glam, is the specification;
+//! - the **packet twin**, `impl<P: Lanes> Intersect<f32x8> for K<P>`, is its translation line by line. Whatever of the
+//!   primitive is not yet eight lanes wide is widened first, so this one body serves eight rays against one primitive
+//!   (`P = f32`), and one ray, splatted, against eight primitives (`P = f32x8`).
+//!
+//! Both give the same bits for every input; `tests/twins.rs` demands it of everything in the [registry](crate::registry).
+
+pub mod aabb;
+pub mod instance;
+pub mod triangle;
+
+use wide::f32x8;
+
+use crate::geom::{Aabb, Hit, Lanes, Placed, Ray, Triangle};
+
+/// Anything that one ray (`L = f32`) or eight (`L = f32x8`) can be intersected with: a prepared primitive, an instance
+/// of one, a whole scene.
+///
+/// Implementations are total: no input makes them panic or return a NaN.
+pub trait Intersect<L: Lanes> {
+    /// What is computed once per ray and used for every primitive, such as the inverse direction.
+    type Setup: Copy;
+
+    /// Computes the per-ray data.
+    fn setup(ray: &Ray<L>) -> Self::Setup;
+
+    /// The closest hit within the ray's interval. `setup` must be this ray's own.
+    fn closest_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L>;
+
+    /// Which rays hit anything within their interval: the mask of [`Intersect::closest_hit`], possibly for less work.
+    #[inline(always)]
+    fn any_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> L::Mask {
+        self.closest_hit(ray, setup).mask
+    }
+
+    /// [`Intersect::closest_hit`] for a ray that meets nothing else: setup and test in one call.
+    #[inline(always)]
+    fn hit(&self, ray: &Ray<L>) -> Hit<L> {
+        self.closest_hit(ray, &Self::setup(ray))
+    }
+}
+
+/// A shape that kernels intersect, and the name of its family of kernels.
+pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
+    /// First part of the IDs of its kernels.
+    const FAMILY: &'static str;
+}
+
+impl Shape for Aabb {
+    const FAMILY: &'static str = "aabb";
+}
+
+impl Shape for Triangle {
+    const FAMILY: &'static str = "triangle";
+}
+
+impl<S: Shape> Shape for Placed<S> {
+    const FAMILY: &'static str = "instance";
+}
+
+/// One intersection method for one shape; implemented by its scalar prepared primitive.
+pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + Send + Sync + 'static {
+    /// What it intersects.
+    type Shape: Shape;
+    /// Eight prepared primitives, for one ray against eight of them.
+    type Packet: Intersect<f32x8, Setup = <Self as Intersect<f32x8>>::Setup> + Copy + Send + Sync;
+    /// Name, source, cost and claims.
+    const INFO: Info;
+
+    /// Computes what does not depend on the ray. A shape the kernel cannot represent (degenerate, not finite) prepares
+    /// into a primitive that misses.
+    fn prepare(shape: &Self::Shape) -> Self;
+
+    /// Lane `i` becomes `primitives[i]`.
+    fn gather(primitives: &[Self; 8]) -> Self::Packet;
+}
+
+/// What a kernel says about itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Info {
+    /// Name, as used in tests, benches, records, charts and on the command line.
+    pub id: Id,
+    /// The idea in one line.
+    pub idea: &'static str,
+    /// Authors, title, year.
+    pub source: &'static str,
+    /// Arithmetic per test once primitive and ray are prepared.
+    pub operations: Operations,
+    /// What the tests hold it to, without tolerance.
+    pub claims: &'static [Claim],
+}
+
+/// Name of a kernel: `family/name`, followed for an instance by the name of the kernel it is an instance of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Id {
+    /// `family/name`.
+    pub method: &'static str,
+    /// The method of the kernel inside an instance.
+    pub inner: Option<&'static str>,
+}
+
+impl Id {
+    /// The ID of a kernel that has no other inside.
+    pub const fn of(method: &'static str) -> Self {
+        Self { method, inner: None }
+    }
+}
+
+impl core::fmt::Display for Id {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.method)?;
+        self.inner.map_or(Ok(()), |inner| write!(f, "/{inner}"))
+    }
+}
+
+/// Floating-point operations of one test; comparisons and selections are not counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Operations {
+    /// Multiplications.
+    pub mul: u32,
+    /// Additions and subtractions.
+    pub add: u32,
+    /// Divisions.
+    pub div: u32,
+}
+
+/// A promise that a kernel makes and the tests enforce.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Claim {
+    /// Never misses what is exactly hit, as long as no intermediate product overflows or is subnormal.
+    Conservative,
+}
+
+impl Claim {
+    /// One word, as printed in tables and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Conservative => "conservative",
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! The list of kernels. Whatever is named here is tested against its twin and the oracle, benchmarked, measured, charted
+//! and selectable on the command line; `tests/registry.rs` fails for a kernel file that is not.
+//!
+//! The list is walked by a [`Visitor`], whose method is generic over the kernel, so that every inner loop stays
+//! monomorphic. To add a kernel, write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one
+//! line here.
+
+use crate::geom::{Aabb, Placed, Triangle};
+use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
+use crate::kernels::instance::Instance;
+use crate::kernels::triangle::{Cramer, MollerTrumbore};
+use crate::kernels::{Kernel, Shape};
+
+/// Something done with every kernel for shapes of type `S`.
+pub trait Visitor<S: Shape> {
+    /// Called once for each kernel, in the order of the list.
+    fn visit<K: Kernel<Shape = S>>(&mut self);
+}
+
+/// The slab tests.
+pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
+    visitor.visit::<Division<f32>>();
+    visitor.visit::<Reciprocal<f32>>();
+    visitor.visit::<SignSelected<f32>>();
+    visitor.visit::<Padded<f32>>();
+}
+
+/// The triangle tests; every one of them can drive the tracer.
+pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
+    visitor.visit::<Cramer<f32>>();
+    visitor.visit::<MollerTrumbore<f32>>();
+}
+
+/// An instance of each kernel.
+pub fn instances(visitor: &mut (impl Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>)) {
+    struct Instances<'a, V>(&'a mut V);
+    impl<S: Shape, V: Visitor<Placed<S>>> Visitor<S> for Instances<'_, V> {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
+            self.0.visit::<Instance<K>>();
+        }
+    }
+    boxes(&mut Instances(visitor));
+    triangles(&mut Instances(visitor));
+}
+
+/// Everything.
+pub fn all<V>(visitor: &mut V)
+where
+    V: Visitor<Aabb> + Visitor<Triangle> + Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>,
+{
+    boxes(visitor);
+    triangles(visitor);
+    instances(visitor);
+}
