@@ -16,7 +16,7 @@
 //! **Operations:** 18 multiplications and 15 additions on top of the inner kernel's test and, anew for every instance,
 //! its setup.
 
-use glam::{Affine3, Mat3, Vec3};
+use glam::{Affine3, Vec3};
 use wide::f32x8;
 
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8};
