@@ -7,8 +7,15 @@
 //! of planes without looking at the sign of the direction.
 //!
 //! **Fails:** on a plane of a slab that the ray runs parallel to. `0·∞` is NaN, and minimum and maximum then return
-//! whichever operand comes second, which puts the entry at +∞ or keeps the NaN: the ray is lost. At edges and corners
-//! rounding loses some rays, more than with division, since the reciprocal is rounded too.
+//! whichever operand comes second. On the upper plane that is the NaN itself, which the accumulators drop, so the ray
+//! hits as it should; on the lower plane it is +∞, which puts the entry beyond everything, and the ray is lost. At edges
+//! and corners rounding loses some rays, more than with division, since the reciprocal is rounded too.
+//!
+//! **Order of operands:** the accumulators come second, because that operand survives a NaN beside it *and* is returned
+//! when it is the NaN: a NaN in the ray's interval must stay there and make a miss.
+//!
+//! **Empty boxes:** minimum and maximum cannot tell a box from its inside-out twin, so an empty box is stored as a point at
+//! infinity, and the ray's interval is cut to finite numbers.
 //!
 //! **Operations:** 6 subtractions, 6 multiplications; setup 3 divisions.
 
@@ -35,7 +42,10 @@ impl Kernel for Reciprocal<f32> {
     };
 
     fn prepare(shape: &Aabb) -> Self {
-        Self(Slabs::prepare(shape))
+        let slabs = Slabs::prepare(shape);
+        // Minimum and maximum would turn an inverted box inside out; a point at infinity stays out of reach.
+        let empty = slabs.lo.x > slabs.hi.x;
+        Self(if empty { Slabs { lo: slabs.lo, hi: slabs.lo } } else { slabs })
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
@@ -48,7 +58,9 @@ impl Intersect<f32> for Reciprocal<f32> {
 
     #[inline(always)]
     fn setup(ray: &Ray<f32>) -> Self::Setup {
-        InverseDirection::<f32>::of(ray)
+        let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32>::of(ray);
+        // A finite interval, so that it does not reach the empty box at infinity.
+        InverseDirection { inv_dir, t_min: max(f32::MIN, t_min), t_max: min(f32::MAX, t_max) }
     }
 
     #[inline(always)]
@@ -58,8 +70,8 @@ impl Intersect<f32> for Reciprocal<f32> {
         for axis in 0..3 {
             let (o, inv) = (ray.origin[axis], setup.inv_dir[axis]);
             let (t_lo, t_hi) = ((lo[axis] - o) * inv, (hi[axis] - o) * inv);
-            entry = max(entry, min(t_lo, t_hi));
-            exit = min(exit, max(t_lo, t_hi));
+            entry = max(min(t_lo, t_hi), entry);
+            exit = min(max(t_lo, t_hi), exit);
         }
         Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
     }
@@ -70,7 +82,9 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
 
     #[inline(always)]
     fn setup(ray: &Ray<f32x8>) -> Self::Setup {
-        InverseDirection::<f32x8>::of(ray)
+        let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32x8>::of(ray);
+        let [least, greatest] = [f32::MIN, f32::MAX].map(f32x8::splat);
+        InverseDirection { inv_dir, t_min: max8(least, t_min), t_max: min8(greatest, t_max) }
     }
 
     #[inline(always)]
@@ -83,8 +97,8 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
             (lo.z, hi.z, ray.origin.z, setup.inv_dir.z),
         ] {
             let (t_lo, t_hi) = ((lo - o) * inv, (hi - o) * inv);
-            entry = max8(entry, min8(t_lo, t_hi));
-            exit = min8(exit, max8(t_lo, t_hi));
+            entry = max8(min8(t_lo, t_hi), entry);
+            exit = min8(max8(t_lo, t_hi), exit);
         }
         Hit::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
     }

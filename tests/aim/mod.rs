@@ -1,0 +1,300 @@
+//! Aimed test cases: uniformly random rays miss nearly everything, and never meet an edge, a corner, a plane that they
+//! run along, or a number at the end of the range.
+
+use glam::{Affine3, Mat3, Vec3};
+use proptest::prelude::*;
+use raylanes::geom::{Aabb, Placed, Ray, Triangle};
+use raylanes::kernels::Shape;
+
+/// Eight rays and eight shapes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Case<S> {
+    pub shapes: [S; 8],
+    pub rays: [Ray<f32>; 8],
+}
+
+/// A shape that rays can be aimed at.
+pub(crate) trait Aimed: Shape {
+    /// A shape of about unit size around the origin, or a sharp one.
+    fn any() -> BoxedStrategy<Self>;
+
+    /// The point that these weights stand for. Weights of 0 and 1 are on the boundary.
+    fn target(&self, weights: Vec3) -> Vec3;
+
+    /// A direction within the surface, and one that leaves it.
+    fn tangent_and_normal(&self) -> (Vec3, Vec3);
+
+    /// Everything multiplied by `factor`.
+    fn scaled(&self, factor: f32) -> Self;
+
+    /// Coordinate number `index % n` replaced.
+    fn with_coordinate(&self, index: usize, value: f32) -> Self;
+}
+
+/// Numbers at which definitions part: zeros and infinities of both signs, NaN, subnormals, the ends of the range.
+const SHARP: [f32; 14] = [
+    0.0,
+    -0.0,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::NAN,
+    1e-45,
+    -1e-40,
+    f32::MIN_POSITIVE,
+    -1e-38,
+    1e38,
+    -1e38,
+    f32::MAX,
+    f32::MIN,
+    1e-20,
+];
+
+/// Small whole numbers, where products are exact, and any others.
+fn coordinate() -> impl Strategy<Value = f32> {
+    prop_oneof![2 => (-4i8..=4).prop_map(f32::from), 3 => -4.0f32..4.0, 1 => Just(-0.0f32)]
+}
+
+fn point() -> impl Strategy<Value = Vec3> {
+    [coordinate(), coordinate(), coordinate()].prop_map(Vec3::from)
+}
+
+/// 1, or a power of ten from the whole range.
+fn scale() -> impl Strategy<Value = f32> {
+    prop_oneof![6 => Just(1.0f32), 1 => (-38i32..=37).prop_map(|exponent| 10f32.powi(exponent))]
+}
+
+fn weight() -> impl Strategy<Value = f32> {
+    prop_oneof![2 => Just(0.0f32), 2 => Just(1.0f32), 1 => Just(0.5f32), 5 => 0.0f32..1.0, 1 => -0.5f32..1.5]
+}
+
+/// How one ray meets its shape.
+#[derive(Clone, Debug)]
+struct Aim {
+    weights: Vec3,
+    dir: Vec3,
+    /// Take the direction within the surface, turned out of it by this much.
+    grazing: Option<f32>,
+    distance: f32,
+    dir_scale: f32,
+    interval: Interval,
+    corrupted: Option<(usize, f32)>,
+}
+
+#[derive(Clone, Debug)]
+enum Interval {
+    Ahead,
+    Line,
+    EndsAtTarget,
+    StartsAtTarget,
+    OnlyTarget,
+    Empty,
+    Between(f32, f32),
+}
+
+fn aim() -> impl Strategy<Value = Aim> {
+    let dir_component =
+        prop_oneof![2 => Just(0.0f32), 1 => Just(-0.0f32), 1 => Just(1.0f32), 1 => Just(-1.0f32), 4 => -1.0f32..1.0];
+    let grazing = (-7i32..=-1).prop_map(|exponent| 10f32.powi(exponent));
+    let distance = prop_oneof![
+        3 => 0.0f32..10.0,
+        2 => (1u8..=8).prop_map(f32::from),
+        1 => Just(0.0f32),
+        1 => -3.0f32..0.0,
+        1 => (2i32..=6).prop_map(|exponent| 10f32.powi(exponent)),
+    ];
+    let interval = prop_oneof![
+        6 => Just(Interval::Ahead),
+        2 => Just(Interval::Line),
+        1 => Just(Interval::EndsAtTarget),
+        1 => Just(Interval::StartsAtTarget),
+        1 => Just(Interval::OnlyTarget),
+        1 => Just(Interval::Empty),
+        1 => (-5.0f32..5.0, -5.0f32..20.0).prop_map(|(a, b)| Interval::Between(a, b)),
+    ];
+    (
+        [weight(), weight(), weight()].prop_map(Vec3::from),
+        [dir_component.clone(), dir_component.clone(), dir_component].prop_map(Vec3::from),
+        prop_oneof![4 => Just(None), 1 => grazing.prop_map(Some)],
+        distance,
+        scale(),
+        interval,
+        prop_oneof![12 => Just(None), 1 => (0..8usize, prop::sample::select(&SHARP[..])).prop_map(Some)],
+    )
+        .prop_map(|(weights, dir, grazing, distance, dir_scale, interval, corrupted)| Aim {
+            weights,
+            dir,
+            grazing,
+            distance,
+            dir_scale,
+            interval,
+            corrupted,
+        })
+}
+
+impl Aim {
+    fn at(&self, shape: &impl Aimed) -> Ray<f32> {
+        let target = shape.target(self.weights);
+        let (tangent, normal) = shape.tangent_and_normal();
+        let dir = match self.grazing {
+            Some(angle) => tangent + normal * angle,
+            // In proportion to the shape, so that the distance is too.
+            None => self.dir * (tangent.abs().max_element() + normal.abs().max_element()),
+        } * self.dir_scale;
+        let distance = self.distance / self.dir_scale;
+        let (t_min, t_max) = match self.interval {
+            Interval::Ahead => (0.0, f32::INFINITY),
+            Interval::Line => (f32::NEG_INFINITY, f32::INFINITY),
+            Interval::EndsAtTarget => (0.0, distance),
+            Interval::StartsAtTarget => (distance, f32::MAX),
+            Interval::OnlyTarget => (distance, distance),
+            Interval::Empty => (1.0, 0.5),
+            Interval::Between(t_min, t_max) => (t_min, t_max),
+        };
+        let mut ray = Ray { origin: target - dir * distance, dir, t_min, t_max };
+        if let Some((field, value)) = self.corrupted {
+            match field {
+                0..3 => ray.origin[field] = value,
+                3..6 => ray.dir[field - 3] = value,
+                6 => ray.t_min = value,
+                _ => ray.t_max = value,
+            }
+        }
+        ray
+    }
+}
+
+/// Packets of rays aimed at packets of shapes.
+pub(crate) fn cases<S: Aimed>() -> impl Strategy<Value = Case<S>> {
+    // Variants of the first shape are hit by rays aimed at it; others are not.
+    let variant = prop_oneof![1 => Just(None), 1 => S::any().prop_map(Some)];
+    let corrupted = prop_oneof![12 => Just(None), 1 => (0..9usize, prop::sample::select(&SHARP[..])).prop_map(Some)];
+    (
+        S::any(),
+        prop::array::uniform7(variant),
+        scale(),
+        prop::array::uniform8(aim()),
+        any::<[bool; 8]>(),
+        prop::array::uniform8(corrupted),
+    )
+        .prop_map(|(first, others, scale, aims, at_first, corrupted)| {
+            let clean: [S; 8] = std::array::from_fn(|index| match index {
+                0 => first.scaled(scale),
+                _ => others[index - 1].unwrap_or(first).scaled(scale),
+            });
+            Case {
+                rays: std::array::from_fn(|lane| aims[lane].at(&clean[if at_first[lane] { 0 } else { lane }])),
+                shapes: std::array::from_fn(|index| match corrupted[index] {
+                    Some((coordinate, value)) => clean[index].with_coordinate(coordinate, value),
+                    None => clean[index],
+                }),
+            }
+        })
+}
+
+impl Aimed for Triangle {
+    fn any() -> BoxedStrategy<Self> {
+        let free = (point(), point(), point()).prop_map(|(v0, v1, v2)| Triangle { v0, v1, v2 });
+        let sliver = (point(), point(), 0.0f32..1.0, point(), -7i32..=-1).prop_map(|(v0, v1, along, off, exponent)| {
+            Triangle { v0, v1, v2: v0 + (v1 - v0) * along + off * 10f32.powi(exponent) }
+        });
+        let degenerate =
+            (point(), point(), 0.0f32..2.0).prop_map(|(v0, v1, along)| Triangle { v0, v1, v2: v0 + (v1 - v0) * along });
+        prop_oneof![8 => free, 2 => sliver, 1 => degenerate].boxed()
+    }
+
+    fn target(&self, weights: Vec3) -> Vec3 {
+        let [u, v] = [weights.x, weights.y * (1.0 - weights.x)];
+        if weights.z == 1.0 { self.v1 + (self.v2 - self.v1) * v } else { self.point(u, v) }
+    }
+
+    fn tangent_and_normal(&self) -> (Vec3, Vec3) {
+        let (e1, e2) = (self.v1 - self.v0, self.v2 - self.v0);
+        (e1, e1.cross(e2).normalize_or_zero() * e1.abs().max_element())
+    }
+
+    fn scaled(&self, factor: f32) -> Self {
+        Triangle { v0: self.v0 * factor, v1: self.v1 * factor, v2: self.v2 * factor }
+    }
+
+    fn with_coordinate(&self, index: usize, value: f32) -> Self {
+        let mut vertices = self.vertices();
+        vertices[index / 3 % 3][index % 3] = value;
+        let [v0, v1, v2] = vertices;
+        Triangle { v0, v1, v2 }
+    }
+}
+
+impl Aimed for Aabb {
+    fn any() -> BoxedStrategy<Self> {
+        let extent = || prop_oneof![4 => 0.0f32..4.0, 2 => (1u8..=4).prop_map(f32::from), 1 => Just(0.0f32)];
+        let proper = (point(), [extent(), extent(), extent()].prop_map(Vec3::from))
+            .prop_map(|(lo, extent)| Aabb { lo, hi: lo + extent });
+        let inverted = (point(), point()).prop_map(|(lo, hi)| Aabb { lo, hi });
+        prop_oneof![8 => proper, 1 => inverted].boxed()
+    }
+
+    fn target(&self, weights: Vec3) -> Vec3 {
+        Vec3::from([0, 1, 2].map(|axis| match weights[axis] {
+            0.0 => self.lo[axis],
+            1.0 => self.hi[axis],
+            weight => self.lo[axis] + (self.hi[axis] - self.lo[axis]) * weight,
+        }))
+    }
+
+    fn tangent_and_normal(&self) -> (Vec3, Vec3) {
+        let extent = self.hi - self.lo;
+        (Vec3::new(0.0, extent.y, extent.z), Vec3::X * extent.max_element())
+    }
+
+    fn scaled(&self, factor: f32) -> Self {
+        Aabb { lo: self.lo * factor, hi: self.hi * factor }
+    }
+
+    fn with_coordinate(&self, index: usize, value: f32) -> Self {
+        let mut changed = *self;
+        if index % 2 == 0 {
+            changed.lo[index / 2 % 3] = value
+        } else {
+            changed.hi[index / 2 % 3] = value
+        }
+        changed
+    }
+}
+
+impl<S: Aimed> Aimed for Placed<S> {
+    fn any() -> BoxedStrategy<Self> {
+        let free = (point(), point(), point()).prop_map(|(x, y, z)| Mat3::from_cols(x, y, z));
+        let diagonal = point().prop_map(Mat3::from_diagonal);
+        let linear = prop_oneof![3 => Just(Mat3::IDENTITY), 4 => free, 1 => diagonal];
+        let translation = (point(), 0i32..=3).prop_map(|(p, exponent)| p * 10f32.powi(exponent));
+        (S::any(), linear, translation)
+            .prop_map(|(shape, matrix3, translation)| Placed {
+                shape,
+                object_to_world: Affine3 { matrix3, translation },
+            })
+            .boxed()
+    }
+
+    fn target(&self, weights: Vec3) -> Vec3 {
+        self.object_to_world.transform_point3(self.shape.target(weights))
+    }
+
+    fn tangent_and_normal(&self) -> (Vec3, Vec3) {
+        let (tangent, normal) = self.shape.tangent_and_normal();
+        (self.object_to_world.transform_vector3(tangent), self.object_to_world.transform_vector3(normal))
+    }
+
+    fn scaled(&self, factor: f32) -> Self {
+        Placed { shape: self.shape.scaled(factor), ..*self }
+    }
+
+    fn with_coordinate(&self, index: usize, value: f32) -> Self {
+        let mut changed = *self;
+        if index % 3 == 0 {
+            changed.object_to_world.matrix3.x_axis[index / 3 % 3] = value;
+        } else {
+            changed.shape = self.shape.with_coordinate(index, value);
+        }
+        changed
+    }
+}

@@ -1,0 +1,245 @@
+//! The scalar and the packet twin of every registered kernel give the same bits for every input: in each lane position,
+//! in full and partial packets, for eight rays against one primitive and one ray against eight primitives.
+//!
+//! `PROPTEST_CASES` raises the number of packets, `PROPTEST_RNG_SEED` changes the seed.
+
+mod aim;
+
+use std::fmt::{Debug, Write};
+
+use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
+use raylanes::geom::{Aabb, Hit, Ray};
+use raylanes::kernels::{Intersect, Kernel};
+use raylanes::registry::{self, Visitor};
+use wide::f32x8;
+
+use aim::{Aimed, Case};
+
+const PACKETS: u32 = 20_000;
+
+#[derive(Default)]
+struct Twins {
+    kernels: usize,
+    failures: Vec<String>,
+}
+
+#[test]
+fn twins_have_identical_hits() {
+    let mut twins = Twins::default();
+    registry::all(&mut twins);
+    assert!(twins.kernels > 0, "the registry is empty");
+    assert!(twins.failures.is_empty(), "{}", twins.failures.join("\n"));
+}
+
+/// Tests and hits of one face, to show that a property did not pass on misses alone.
+#[derive(Clone, Copy, Default)]
+struct HitRate {
+    tests: u64,
+    hits: u64,
+}
+
+impl HitRate {
+    fn count(&mut self, hit: &Hit<f32>) {
+        self.tests += 1;
+        self.hits += u64::from(hit.mask);
+    }
+
+    fn percent(self) -> f64 {
+        100.0 * self.hits as f64 / self.tests as f64
+    }
+}
+
+impl<S: Aimed> Visitor<S> for Twins {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
+        self.kernels += 1;
+        let id = K::INFO.id;
+        let defaults = Config::default();
+        let config = Config {
+            cases: defaults.cases.max(PACKETS),
+            rng_seed: match defaults.rng_seed {
+                RngSeed::Random => RngSeed::Fixed(2026),
+                fixed @ RngSeed::Fixed(_) => fixed,
+            },
+            failure_persistence: None,
+            ..defaults
+        };
+        let packets = config.cases;
+        let rates = std::cell::Cell::new([HitRate::default(); 2]);
+        let outcome = TestRunner::new(config).run(&aim::cases::<S>(), |case| {
+            let mut counted = rates.get();
+            let checked = check::<K>(&case, &mut counted);
+            rates.set(counted);
+            checked.map_err(TestCaseError::fail)
+        });
+        match outcome {
+            Ok(()) => {
+                let [many_rays, many_primitives] = rates.get().map(HitRate::percent);
+                println!("{id}: {packets} packets, hits: {many_rays:.0} % of 8x1, {many_primitives:.0} % of 1x8");
+                if !(15.0..=85.0).contains(&many_rays) || !(8.0..=85.0).contains(&many_primitives) {
+                    self.failures.push(format!("{id}: the rays are badly aimed, the property saw next to one outcome"));
+                }
+            }
+            Err(TestError::Fail(_, case)) => {
+                // The reason that proptest kept may belong to a larger case than the one it shrank to.
+                let reason = check::<K>(&case, &mut Default::default()).expect_err("shrinking keeps the failure");
+                self.failures.push(reason);
+            }
+            Err(TestError::Abort(reason)) => panic!("{id}: aborted: {reason}"),
+        }
+    }
+}
+
+/// Checks one packet of rays against one packet of primitives.
+fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(), String> {
+    let primitives = case.shapes.map(|shape| K::prepare(&shape));
+    let gathered = K::gather(&primitives);
+    let scalar = |primitive: usize, ray: usize| Intersect::<f32>::hit(&primitives[primitive], &case.rays[ray]);
+
+    // Eight rays against one primitive, in every lane position.
+    for shift in 0..8 {
+        let source = |lane: usize| (lane + shift) % 8;
+        let packet = Ray::from_lanes(&std::array::from_fn(|lane| case.rays[source(lane)]));
+        let hits = Intersect::<f32x8>::hit(&primitives[0], &packet);
+        for lane in 0..8 {
+            let expected = scalar(0, source(lane));
+            let face = format!("8 rays x 1 primitive, packet turned by {shift}");
+            compare::<K>(&face, case, 0, source(lane), lane, expected, hits.lane(lane))?;
+            if shift == 0 {
+                rates[0].count(&expected);
+                well_formed::<K>(case, 0, lane, &expected)?;
+            }
+        }
+        let setup = <K as Intersect<f32x8>>::setup(&packet);
+        let any = Intersect::<f32x8>::any_hit(&primitives[0], &packet, &setup);
+        if any != hits.mask {
+            return Err(format!("{}: any_hit {:08b}, closest_hit {:08b}", K::INFO.id, any.bits(), hits.mask.bits()));
+        }
+    }
+
+    // Partial packets.
+    for active in 0..8 {
+        let hits = Intersect::<f32x8>::hit(&primitives[0], &Ray::from_slice(&case.rays[..active]));
+        for lane in 0..8 {
+            let expected = if lane < active { scalar(0, lane) } else { Hit::MISS };
+            let face = format!("8 rays x 1 primitive, {active} of 8 active");
+            compare::<K>(&face, case, 0, lane, lane, expected, hits.lane(lane))?;
+        }
+    }
+
+    // One ray against eight primitives.
+    for ray in 0..8 {
+        let setup = <K as Intersect<f32>>::setup(&case.rays[ray]);
+        let packet = Ray::splat(&case.rays[ray]);
+        let hits = gathered.hit(&packet);
+        for lane in 0..8 {
+            let expected = scalar(lane, ray);
+            rates[1].count(&expected);
+            compare::<K>("1 ray x 8 primitives", case, lane, ray, lane, expected, hits.lane(lane))?;
+            if Intersect::<f32>::any_hit(&primitives[lane], &case.rays[ray], &setup) != expected.mask {
+                return Err(format!("{}: scalar any_hit and closest_hit differ", K::INFO.id));
+            }
+        }
+    }
+
+    // Lane by lane.
+    let hits = gathered.hit(&Ray::from_lanes(&case.rays));
+    for lane in 0..8 {
+        compare::<K>("8 rays x 8 primitives", case, lane, lane, lane, scalar(lane, lane), hits.lane(lane))?;
+    }
+    Ok(())
+}
+
+/// A miss has one content, and a hit holds no NaN and keeps to its interval.
+fn well_formed<K: Kernel>(case: &Case<K::Shape>, primitive: usize, ray: usize, hit: &Hit<f32>) -> Result<(), String> {
+    let Ray { t_min, t_max, .. } = case.rays[ray];
+    let good = if hit.mask {
+        !hit.u.is_nan() && !hit.v.is_nan() && t_min <= hit.t && hit.t <= t_max && hit.primitive == 0
+    } else {
+        hit.to_bits() == Hit::MISS.to_bits()
+    };
+    if good {
+        return Ok(());
+    }
+    let mut text = format!("{}: malformed hit {hit:?}\n", K::INFO.id);
+    describe(&mut text, &case.shapes[primitive], &case.rays[ray]);
+    Err(text)
+}
+
+fn compare<K: Kernel>(
+    face: &str,
+    case: &Case<K::Shape>,
+    primitive: usize,
+    ray: usize,
+    lane: usize,
+    scalar: Hit<f32>,
+    packet: Hit<f32>,
+) -> Result<(), String> {
+    if scalar.mask == packet.mask && scalar.to_bits() == packet.to_bits() {
+        return Ok(());
+    }
+    let mut text = format!("{}: twins differ, {face}, lane {lane}\n", K::INFO.id);
+    describe(&mut text, &case.shapes[primitive], &case.rays[ray]);
+    writeln!(text, "          {:>24} {:>24}", "scalar", "packet").unwrap();
+    writeln!(text, "mask      {:>24} {:>24}", scalar.mask, packet.mask).unwrap();
+    for (name, a, b) in [("t", scalar.t, packet.t), ("u", scalar.u, packet.u), ("v", scalar.v, packet.v)] {
+        let mark = if a.to_bits() == b.to_bits() { "" } else { "  <-" };
+        writeln!(text, "{name:9} {:>24} {:>24}{mark}", decimal_and_hex(a), decimal_and_hex(b)).unwrap();
+    }
+    writeln!(text, "primitive {:>24} {:>24}", scalar.primitive, packet.primitive).unwrap();
+    Err(text)
+}
+
+fn decimal_and_hex(value: f32) -> String {
+    format!("{value:e} {:08x}", value.to_bits())
+}
+
+/// Ray and shape, in decimal and, where they are numbers, in bits.
+fn describe(text: &mut String, shape: &impl Debug, ray: &Ray<f32>) {
+    writeln!(text, "shape     {shape:?}").unwrap();
+    for (name, v) in [("origin", ray.origin), ("dir", ray.dir)] {
+        writeln!(text, "{name:9} {}", v.to_array().map(decimal_and_hex).join(", ")).unwrap();
+    }
+    writeln!(text, "interval  {}", [ray.t_min, ray.t_max].map(decimal_and_hex).join(", ")).unwrap();
+}
+
+/// The property above is only as good as the cases: one pass over them shows that every kind that the generators
+/// promise comes up.
+#[test]
+fn generators_reach_what_they_promise() {
+    use proptest::strategy::{Strategy, ValueTree};
+
+    let mut runner = TestRunner::new(Config { rng_seed: RngSeed::Fixed(1), ..Config::default() });
+    let strategy = aim::cases::<Aabb>();
+    let mut seen = std::collections::BTreeMap::<&str, u32>::new();
+    for _ in 0..4_000 {
+        let case = strategy.new_tree(&mut runner).unwrap().current();
+        let Aabb { lo, hi } = case.shapes[0];
+        for ray in &case.rays {
+            let numbers = [ray.origin.to_array(), ray.dir.to_array()].concat();
+            let parallel_on_plane = (0..3)
+                .any(|axis| ray.dir[axis] == 0.0 && (ray.origin[axis] == lo[axis] || ray.origin[axis] == hi[axis]));
+            for (kind, present) in [
+                ("NaN", numbers.iter().any(|x| x.is_nan())),
+                ("infinity", numbers.iter().any(|x| x.is_infinite())),
+                ("subnormal", numbers.iter().any(|x| x.is_subnormal())),
+                ("+0 direction", (0..3).any(|axis| ray.dir[axis].to_bits() == 0)),
+                ("-0 direction", (0..3).any(|axis| ray.dir[axis].to_bits() == 1 << 31)),
+                ("parallel, origin on a plane", parallel_on_plane),
+                ("huge", numbers.iter().any(|x| x.is_finite() && x.abs() > 1e37)),
+                ("tiny", numbers.iter().any(|x| x.is_normal() && x.abs() < 1e-37)),
+                ("empty interval", ray.t_min > ray.t_max),
+                ("interval of one point", ray.t_min == ray.t_max && ray.t_min.is_finite()),
+                ("NaN interval", ray.t_min.is_nan() || ray.t_max.is_nan()),
+                ("infinite interval", ray.t_max == f32::INFINITY),
+                ("flat box", (0..3).any(|axis| lo[axis] == hi[axis])),
+                ("inverted box", (0..3).any(|axis| lo[axis] > hi[axis])),
+            ] {
+                *seen.entry(kind).or_default() += u32::from(present);
+            }
+        }
+    }
+    println!("{seen:#?}");
+    for (kind, count) in seen {
+        assert!(count >= 30, "only {count} of 32000 rays have: {kind}");
+    }
+}
