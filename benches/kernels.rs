@@ -1,1 +1,39 @@
+//! Every registered kernel on the generic workload, each face: time per test of one ray against one primitive.
+//!
+//! `cargo bench --bench kernels -- triangle/` runs those whose ID contains the text.
 
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use raylanes::geom::Hit;
+use raylanes::kernels::Kernel;
+use raylanes::registry::{self, Visitor};
+use raylanes::study::speed::{Bench, Face, PRIMITIVES, RAYS};
+use raylanes::study::workload::Subject;
+
+struct Benches<'a>(&'a mut Criterion);
+
+impl<S: Subject> Visitor<S> for Benches<'_> {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
+        let mut group = self.0.benchmark_group(K::INFO.id.to_string());
+        group.throughput(Throughput::Elements((RAYS * PRIMITIVES) as u64));
+        let bench = Bench::<K>::new(2026);
+        for face in Face::ALL {
+            let mut hits = [Hit::MISS; RAYS];
+            group.bench_function(face.name(), |timer| {
+                timer.iter(|| black_box(&bench).pass(face, black_box(&mut hits)));
+            });
+        }
+    }
+}
+
+fn kernels(criterion: &mut Criterion) {
+    registry::all(&mut Benches(criterion));
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_secs(1));
+    targets = kernels
+}
+criterion_main!(benches);

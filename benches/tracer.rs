@@ -1,1 +1,51 @@
+//! Whole pictures: built-in scenes × every triangle kernel × mode × one and two threads, closest hit and any hit.
 
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use raylanes::geom::{Ray, Triangle};
+use raylanes::kernels::Kernel;
+use raylanes::registry::{self, Visitor};
+use raylanes::tracer::{Mesh, Mode, Scene, SceneSource, thread_pool, trace};
+
+const SIZE: u32 = 256;
+
+struct Pictures<'a> {
+    criterion: &'a mut Criterion,
+    name: &'a str,
+    mesh: &'a Mesh,
+    rays: &'a [Ray<f32>],
+}
+
+impl Visitor<Triangle> for Pictures<'_> {
+    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+        let scene = Scene::<K>::new(self.mesh.clone());
+        let mut group = self.criterion.benchmark_group(format!("{}/{}", self.name, K::INFO.id));
+        group.throughput(Throughput::Elements(self.rays.len() as u64));
+        for threads in [1, 2] {
+            let pool = thread_pool(threads).expect("two threads are not many");
+            for mode in Mode::ALL {
+                for any_hit in [false, true] {
+                    let what = if any_hit { "any_hit" } else { "closest_hit" };
+                    group.bench_function(BenchmarkId::new(format!("{}/{what}", mode.name()), threads), |timer| {
+                        timer.iter(|| pool.install(|| trace(&scene, self.rays, any_hit, mode)));
+                    });
+                }
+            }
+        }
+    }
+}
+
+fn pictures(criterion: &mut Criterion) {
+    for name in ["room", "terrain:1e5", "sphere"] {
+        let source = SceneSource::parse(name).expect("a built-in scene");
+        let mesh = source.load().expect("built-in scenes need no file").0;
+        let rays = source.view(&mesh, SIZE, SIZE).0.rays(SIZE, SIZE);
+        registry::triangles(&mut Pictures { criterion: &mut *criterion, name, mesh: &mesh, rays: &rays });
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(10).measurement_time(std::time::Duration::from_secs(1));
+    targets = pictures
+}
+criterion_main!(benches);

@@ -4,4 +4,10 @@
 
 pub mod geom;
 pub mod kernels;
+#[cfg(feature = "study")]
+pub mod oracle;
 pub mod registry;
+#[cfg(feature = "study")]
+pub mod study;
+#[cfg(feature = "tracer")]
+pub mod tracer;

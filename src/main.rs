@@ -1,1 +1,437 @@
-fn main() {}
+//! The program: arguments in, one call into the library, text out. Errors are one line and exit code 2.
+
+use std::fmt::Write as _;
+use std::io::{self, IsTerminal, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::Vec3;
+use raylanes::geom::{Hit, Ray, Triangle};
+use raylanes::kernels::{Intersect, Kernel, Shape};
+use raylanes::registry::{self, TriangleTask, Visitor};
+use raylanes::study;
+use raylanes::tracer::{self, BuiltIn, Camera, Error, Light, Mesh, Mode, Scene, SceneSource, Shade};
+use serde::Serialize;
+
+/// Ray-intersection kernels, measured for speed and for accuracy.
+#[derive(Parser)]
+#[command(version, after_help = scene_help())]
+struct Arguments {
+    /// Without a command: the study of the built-in scenes.
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Measure every kernel and the tracer; write results.json, report.md and speed-accuracy.svg.
+    Study(StudyArguments),
+    /// Trace the rays of a picture or of a file and tell how fast that was.
+    Trace(TraceArguments),
+    /// Trace and shade a picture, as PNG.
+    Render(RenderArguments),
+    /// List the kernels: ID, operations, prepared and per-ray bytes, claims, idea.
+    List,
+}
+
+#[derive(Args)]
+struct StudyArguments {
+    /// Scenes for the tracer's table [default: room, terrain:1e5 and sphere].
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.
+    #[arg(long)]
+    quick: bool,
+    /// Where results go.
+    #[arg(long, value_name = "DIR", default_value = "reports/latest")]
+    out: PathBuf,
+    /// What all random inputs derive from.
+    #[arg(long, default_value_t = 2026)]
+    seed: u64,
+}
+
+impl Default for StudyArguments {
+    fn default() -> Self {
+        Self { scenes: Vec::new(), quick: false, out: "reports/latest".into(), seed: 2026 }
+    }
+}
+
+/// What `trace` and `render` have in common.
+#[derive(Args)]
+struct SceneArguments {
+    /// An OBJ file or a built-in scene.
+    scene: String,
+    /// Triangle kernel, by ID or name; see `raylanes list`.
+    #[arg(long, value_name = "ID", default_value = "moller_trumbore")]
+    kernel: String,
+    /// How rays are taken; the hits are the same.
+    #[arg(long, value_enum, default_value_t = ModeArgument::Auto)]
+    mode: ModeArgument,
+    /// Threads; 0 for as many as there are processors.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Picture size.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = parse_size)]
+    size: (u32, u32),
+    /// Camera position [default: the scene's own, or outside with all of it in view].
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_at", allow_hyphen_values = true)]
+    eye: Option<Vec3>,
+    /// Point in the middle of the picture.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
+    look_at: Option<Vec3>,
+    /// Vertical field of view in degrees, for a camera given by --eye.
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_field_of_view)]
+    fov: f32,
+}
+
+#[derive(Args)]
+struct TraceArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Rays to trace instead of a picture's: raw little-endian f32, `ox oy oz t_min dx dy dz t_max` per ray.
+    #[arg(long, value_name = "FILE")]
+    rays: Option<PathBuf>,
+    /// Only ask whether anything is hit; hits then have t = u = v = 0 and primitive 0.
+    #[arg(long)]
+    any_hit: bool,
+    /// Trace so many times and report the median.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
+    /// Write the hits: little-endian `t u v` as f32 and the primitive number as u32 per ray, in ray order (of a picture: row
+    /// by row from the upper left).
+    #[arg(long, value_name = "FILE")]
+    hits: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Args)]
+struct RenderArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The PNG to write.
+    #[arg(short, long, value_name = "OUT.png")]
+    out: PathBuf,
+    /// What a pixel shows.
+    #[arg(long, value_enum, default_value_t = ShadeArgument::Lambert)]
+    shade: ShadeArgument,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModeArgument {
+    /// One ray at a time.
+    Scalar,
+    /// Eight rays at a time.
+    Packet,
+    /// Packets if most groups of eight rays run through the same octant, else single rays.
+    Auto,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ShadeArgument {
+    /// Diffuse reflection with hard shadows.
+    Lambert,
+    /// Geometric normals as colours.
+    Normals,
+    /// Distance from the eye.
+    Depth,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let outcome = match arguments.command.unwrap_or(Command::Study(StudyArguments::default())) {
+        Command::Study(arguments) => run_study(&arguments),
+        Command::Trace(arguments) => trace(&arguments),
+        Command::Render(arguments) => render(&arguments),
+        Command::List => list(),
+    };
+    match outcome.and_then(|text| print(&text)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            note(&format!("raylanes: {error}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// To standard output. A reader that closes its end early (`raylanes list | head -1`) is no error.
+fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::Io { action: "write", file: "standard output".into(), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// To standard error; there is nowhere to report that it is closed.
+fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
+    if let Some(warning) = study::build_warning() {
+        note(&format!("note: {warning}"));
+    }
+    let scenes = if arguments.scenes.is_empty() {
+        study::Options::default_scenes(arguments.quick)
+    } else {
+        arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
+    };
+    let record = study::run(&study::Options { scenes, quick: arguments.quick, seed: arguments.seed })?;
+    study::write(&record, &arguments.out)?;
+    let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let mut text = study::terminal_table(&record, color);
+    let folder = arguments.out.display();
+    writeln!(text, "\nWritten to {folder}: report.md, speed-accuracy.svg, results.json").expect("strings grow");
+    Ok(text)
+}
+
+/// A scene that is ready to be traced, but for the kernel.
+struct Loaded {
+    mesh: Mesh,
+    camera: Camera,
+    light: Light,
+    pool: rayon::ThreadPool,
+}
+
+impl SceneArguments {
+    fn load(&self) -> Result<Loaded, Error> {
+        let source = SceneSource::parse(&self.scene)?;
+        if registry::with_triangle(&self.kernel, Exists).is_none() {
+            let mut ids = Ids(Vec::new());
+            registry::triangles(&mut ids);
+            let message = format!("no such triangle kernel: expected one of {}", ids.0.join(", "));
+            return Err(Error::Argument { argument: self.kernel.clone(), message });
+        }
+        let (mesh, remarks) = source.load()?;
+        for remark in remarks {
+            note(&format!("note: {}: {remark}", source.name()));
+        }
+        let (width, height) = self.size;
+        let (camera, light) = match (self.eye, self.look_at) {
+            (Some(eye), Some(look_at)) => {
+                (Camera::new(eye, look_at, self.fov, width, height), source.view(&mesh, width, height).1)
+            }
+            _ => source.view(&mesh, width, height),
+        };
+        Ok(Loaded { mesh, camera, light, pool: tracer::thread_pool(self.threads)? })
+    }
+
+    fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
+        match self.mode {
+            ModeArgument::Scalar => Mode::Scalar,
+            ModeArgument::Packet => Mode::Packet,
+            ModeArgument::Auto => Mode::suited_to(rays),
+        }
+    }
+}
+
+struct Exists;
+
+impl TriangleTask for Exists {
+    type Output = ();
+    fn run<K: Kernel<Shape = Triangle>>(self) {}
+}
+
+struct Ids(Vec<String>);
+
+impl Visitor<Triangle> for Ids {
+    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+        self.0.push(K::INFO.id.to_string());
+    }
+}
+
+/// What `trace --json` prints.
+#[derive(Serialize)]
+struct TraceResult {
+    scene: String,
+    triangles: usize,
+    rays: usize,
+    hits: usize,
+    /// Median of the repeats.
+    mrays_per_second: f64,
+    checksum: String,
+    mode: &'static str,
+    kernel: String,
+    threads: usize,
+    build_seconds: f64,
+    bytes_per_triangle: f64,
+}
+
+fn trace(arguments: &TraceArguments) -> Result<String, Error> {
+    let scene = &arguments.scene;
+    // Cheap errors first: a large mesh takes its time.
+    let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
+    let loaded = scene.load()?;
+    let (width, height) = scene.size;
+    let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
+    let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
+    let mode = scene.mode_for(&rays);
+    let task = Trace { arguments, loaded, rays, mode };
+    let (result, mut hits) = registry::with_triangle(&scene.kernel, task).expect("the kernel was found before");
+    if let Some(file) = &arguments.hits {
+        if let Some(order) = picture_order {
+            let mut rows = vec![Hit::MISS; hits.len()];
+            for (pixel, hit) in order.into_iter().zip(hits) {
+                rows[pixel as usize] = hit;
+            }
+            hits = rows;
+        }
+        tracer::write_hits(file, &hits)?;
+    }
+    if arguments.json {
+        return Ok(serde_json::to_string(&result).expect("plain data") + "\n");
+    }
+    let TraceResult { scene, triangles, rays, hits, mrays_per_second, checksum, mode, kernel, threads, .. } = result;
+    Ok(format!(
+        "{scene}: {triangles} triangles, built in {:.3} s, {:.1} bytes per triangle\n\
+         {mrays_per_second:.2} Mrays/s (median of {}), {rays} rays, {hits} hits, checksum {checksum}\n\
+         kernel {kernel}, mode {mode}, threads {threads}\n",
+        result.build_seconds, result.bytes_per_triangle, arguments.repeat,
+    ))
+}
+
+struct Trace<'a> {
+    arguments: &'a TraceArguments,
+    loaded: Loaded,
+    rays: Vec<Ray<f32>>,
+    mode: Mode,
+}
+
+impl TriangleTask for Trace<'_> {
+    type Output = (TraceResult, Vec<Hit<f32>>);
+
+    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
+        let Self { arguments, loaded: Loaded { mesh, pool, .. }, rays, mode } = self;
+        let start = Instant::now();
+        let scene = pool.install(|| Scene::<K>::new(mesh));
+        let build_seconds = start.elapsed().as_secs_f64();
+        let trace = || pool.install(|| tracer::trace(&scene, &rays, arguments.any_hit, mode));
+        let mut hits = trace(); // not counted: it warms up
+        let mut rates = Vec::new();
+        for _ in 0..arguments.repeat {
+            let start = Instant::now();
+            hits = trace();
+            rates.push(rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
+        }
+        let result = TraceResult {
+            scene: arguments.scene.scene.clone(),
+            triangles: scene.mesh().len(),
+            rays: rays.len(),
+            hits: hits.iter().filter(|hit| hit.mask).count(),
+            mrays_per_second: study::median(&rates),
+            checksum: format!("{:016x}", tracer::checksum(&hits)),
+            mode: mode.name(),
+            kernel: K::INFO.id.to_string(),
+            threads: pool.current_num_threads(),
+            build_seconds,
+            bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
+        };
+        (result, hits)
+    }
+}
+
+fn render(arguments: &RenderArguments) -> Result<String, Error> {
+    let loaded = arguments.scene.load()?;
+    registry::with_triangle(&arguments.scene.kernel, Render { arguments, loaded })
+        .expect("the kernel was found before")?;
+    Ok(String::new())
+}
+
+struct Render<'a> {
+    arguments: &'a RenderArguments,
+    loaded: Loaded,
+}
+
+impl TriangleTask for Render<'_> {
+    type Output = Result<(), Error>;
+
+    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
+        let Self { arguments, loaded: Loaded { mesh, camera, light, pool } } = self;
+        let (width, height) = arguments.scene.size;
+        let shade = match arguments.shade {
+            ShadeArgument::Lambert => Shade::Lambert,
+            ShadeArgument::Normals => Shade::Normals,
+            ShadeArgument::Depth => Shade::Depth,
+        };
+        let mode = match arguments.scene.mode {
+            ModeArgument::Scalar => Mode::Scalar,
+            ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
+        };
+        pool.install(|| {
+            let scene = Scene::<K>::new(mesh);
+            tracer::render(&arguments.out, &scene, &camera, light, shade, mode, width, height)
+        })
+    }
+}
+
+fn list() -> Result<String, Error> {
+    struct List(Vec<[String; 6]>);
+    impl<S: Shape> Visitor<S> for List {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
+            let info = K::INFO;
+            let operations = info.operations;
+            let claims: Vec<_> = info.claims.iter().map(|claim| claim.name()).collect();
+            self.0.push([
+                info.id.to_string(),
+                format!("{}/{}/{}", operations.mul, operations.add, operations.div),
+                size_of::<K>().to_string(),
+                size_of::<<K as Intersect<f32>>::Setup>().to_string(),
+                if claims.is_empty() { "-".into() } else { claims.join(" ") },
+                info.idea.into(),
+            ]);
+        }
+    }
+    let header = ["kernel", "mul/add/div", "prepared", "setup", "claims", "idea"].map(String::from);
+    let mut rows = List(vec![header]);
+    registry::all(&mut rows);
+    let width = |column: usize| rows.0.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; 5] = std::array::from_fn(width);
+    let mut text = String::new();
+    for row in &rows.0 {
+        for (cell, width) in row.iter().zip(widths) {
+            write!(text, "{cell:width$}  ").expect("strings grow");
+        }
+        writeln!(text, "{}", row[5]).expect("strings grow");
+    }
+    text.push_str("\nOperations of one test; bytes prepared per primitive and set up per ray.\n");
+    Ok(text)
+}
+
+fn scene_help() -> String {
+    format!("SCENE is an OBJ file or a built-in scene: {}.", BuiltIn::NAMES.join(", "))
+}
+
+/// The greatest number of pixels of a picture: 8192 × 8192.
+const MOST_PIXELS: u64 = 1 << 26;
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    match parsed {
+        Some((width, height)) if (1..=MOST_PIXELS).contains(&(u64::from(width) * u64::from(height))) => {
+            Ok((width, height))
+        }
+        _ => Err(format!("expected WIDTHxHEIGHT with 1 to {MOST_PIXELS} pixels, such as 1024x768")),
+    }
+}
+
+fn parse_point(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> =
+        text.split(',').filter_map(|number| number.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 => Ok(Vec3::new(x, y, z)),
+        _ => Err("expected three numbers, such as 1,2.5,-3".into()),
+    }
+}
+
+fn parse_field_of_view(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(degrees) if (1.0..=170.0).contains(&degrees) => Ok(degrees),
+        _ => Err("expected 1 to 170 degrees".into()),
+    }
+}

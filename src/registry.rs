@@ -52,3 +52,55 @@ where
     triangles(visitor);
     instances(visitor);
 }
+
+/// Something done with one kernel that is chosen by name at run time.
+pub trait TriangleTask {
+    /// What comes of it.
+    type Output;
+
+    /// Called with the chosen kernel.
+    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output;
+}
+
+/// Runs the task with the triangle kernel of this ID, of which the family may be left out; `None` if there is no such
+/// kernel.
+pub fn with_triangle<T: TriangleTask>(id: &str, task: T) -> Option<T::Output> {
+    struct Chosen<'a, T: TriangleTask> {
+        id: &'a str,
+        task: Option<T>,
+        output: Option<T::Output>,
+    }
+    impl<T: TriangleTask> Visitor<Triangle> for Chosen<'_, T> {
+        fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+            let method = K::INFO.id.method;
+            let name = method.rsplit('/').next();
+            if self.id == method || Some(self.id) == name {
+                self.output = self.task.take().map(TriangleTask::run::<K>);
+            }
+        }
+    }
+    let mut chosen = Chosen { id, task: Some(task), output: None };
+    triangles(&mut chosen);
+    chosen.output
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct IdOf;
+    impl TriangleTask for IdOf {
+        type Output = &'static str;
+        fn run<K: Kernel<Shape = Triangle>>(self) -> &'static str {
+            K::INFO.id.method
+        }
+    }
+
+    #[test]
+    fn kernels_are_found_by_id_and_by_name() {
+        assert_eq!(with_triangle("triangle/cramer", IdOf), Some("triangle/cramer"));
+        assert_eq!(with_triangle("moller_trumbore", IdOf), Some("triangle/moller_trumbore"));
+        assert_eq!(with_triangle("aabb/padded", IdOf), None);
+        assert_eq!(with_triangle("", IdOf), None);
+    }
+}

@@ -1,1 +1,372 @@
+//! OBJ and MTL files: what is read, what is refused and with which words, and that nothing makes the loader panic.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use raylanes::geom::Aabb;
+use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
+use tempfile::TempDir;
+
+/// A directory for one test's files.
+struct Files(TempDir);
+
+impl Files {
+    fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// Takes the directory out of a message: it differs from run to run.
+    fn shorten(&self, message: &str) -> String {
+        message.replace(&format!("{}/", self.0.path().display()), "")
+    }
+}
+
+const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+
+fn load_text(text: impl AsRef<[u8]>) -> Result<(Mesh, ObjReport), Error> {
+    load_obj(&Files::new().write("x.obj", text))
+}
+
+/// The mesh of a file that nothing is to be said about.
+fn mesh(text: impl AsRef<[u8]>) -> Mesh {
+    let (mesh, report) = load_text(text).unwrap();
+    assert_eq!((report.ignored_elements, report.warnings), (0, vec![]));
+    mesh
+}
+
+fn error(text: impl AsRef<[u8]>) -> String {
+    let files = Files::new();
+    files.shorten(&load_obj(&files.write("x.obj", text)).unwrap_err().to_string())
+}
+
+fn vertices(mesh: &Mesh) -> Vec<[Vec3; 3]> {
+    mesh.iter().map(|triangle| triangle.vertices()).collect()
+}
+
+const A: Vec3 = Vec3::ZERO;
+const B: Vec3 = Vec3::X;
+const C: Vec3 = Vec3::Y;
+const D: Vec3 = Vec3::new(1.0, 1.0, 0.0);
+
+#[test]
+fn faces_become_fans_in_file_order() {
+    let loaded = mesh(format!("{VERTICES}f 1 2 3\nf 1 2 4 3\nv 2 2 0\nf 5 4 3 1 2\n"));
+    let e = Vec3::new(2.0, 2.0, 0.0);
+    assert_eq!(vertices(&loaded), [[A, B, C], [A, B, D], [A, D, C], [e, D, C], [e, C, A], [e, A, B]]);
+    assert_eq!(loaded.positions().len(), 5);
+}
+
+#[test]
+fn indices_count_from_either_end() {
+    for face in ["f -4 -3 -2", "f 1/9/9 2//7 3/-5", "f 1/x/y 2/ 3//", "f +1 2 3", "\t f  1\t2  3 \t"] {
+        assert_eq!(vertices(&mesh(format!("{VERTICES}{face}\n"))), [[A, B, C]], "{face}");
+    }
+    assert_eq!(vertices(&mesh(format!("f 1 2 3\n{VERTICES}"))), [[A, B, C]], "vertices may follow");
+    assert_eq!(vertices(&mesh(format!("{VERTICES}f -1 -2 -3\nv 5 5 5\nf -5 -4 -3\n"))), [[D, C, B], [A, B, C]]);
+}
+
+#[test]
+fn every_form_of_line_is_read() {
+    let expected = [[A, B, C]];
+    let forms: [&[u8]; 8] = [
+        b"v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n",
+        b"\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
+        b"v 0 0 0 2\nv 2 0 0 2\nv 0 -1 0 -1\nf 1 2 3\n",
+        b"v 0 0 0 # origin\nv 1. 0 0#\nv 0 1e0 .0\nf 1 2 3 # face\n",
+        b"v 0 \\\n0 0\nv 1 0 0\nv \\ \r\n\\\n 0 1 0\nf 1 2\\\n 3\\",
+        b"# \xff\xfe C:\\models\\\nv 0 0 0\no \xff\nv 1 0 0\ng \xe9 \nv 0 1 0\nusemtl\nmtllib\nf 1 2 3\n",
+        b"vn nan\nvt x\nvp\nv 0 0 0\nv 1 0 0\nv 0 1 0\ns off\ng\no\nvn 1\nf 1 2 3\n",
+        b"\n\n   \n#\n#v 9\nv 0 0 0\n\tv 1 0 0\nv 0 1 0\nf 1 2 3\n\n",
+    ];
+    for form in forms {
+        assert_eq!(vertices(&mesh(form)), expected, "{}", String::from_utf8_lossy(form));
+    }
+}
+
+#[test]
+fn what_is_left_out_is_reported() {
+    let files = Files::new();
+    let text = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 0 1 0\nv 9 9 9\n\
+                f 1 2 3\nf 1 2 2\nf 1 2 3 3\nl 1 2 3\np 1\ncurv 0 1 1 2\nF 1 2 3\nfo 1 2 3\nV 0 0 0\n";
+    let (mesh, report) = load_obj(&files.write("x.obj", text)).unwrap();
+    assert_eq!(mesh.len(), 4);
+    assert_eq!(mesh.positions().len(), 3);
+    assert_eq!((report.vertices, report.degenerate, report.ignored_elements), (4, 2, 3));
+    let warnings: Vec<_> = report.warnings.iter().map(|warning| files.shorten(warning)).collect();
+    assert_eq!(
+        warnings,
+        [
+            "x.obj:1: vertex colour ignored: \"v 0 0 0 1 0 0\" (and 1 more)",
+            "x.obj:11: unknown keyword, line ignored: \"F 1 2 3\" (and 2 more)",
+        ]
+    );
+}
+
+#[test]
+fn errors_name_line_and_value() {
+    for (line, message) in [
+        ("v 1 nan 3", "vertex coordinate is NaN"),
+        ("v 1 2 -inf", "vertex coordinate is infinite or too large"),
+        ("v 1e39 2 3", "vertex coordinate is infinite or too large"),
+        ("v 1 2,5 3", "vertex coordinate cannot be read"),
+        ("v 1 2", "a vertex needs 3 coordinates"),
+        ("v", "a vertex needs 3 coordinates"),
+        ("v 1 2 3 4 5", "a vertex has 3, 4, 6 or 7 numbers"),
+        ("v 1 2 3 4 5 6 7 8", "a vertex has 3, 4, 6 or 7 numbers"),
+        ("v 1 2 3 0", "vertex weight is zero or too small"),
+        ("v 1e30 2 3 1e-30", "vertex weight is zero or too small"),
+        ("v 1 2 3 x", "vertex weight cannot be read"),
+        ("f", "a face needs 3 vertices"),
+        ("f 1", "a face needs 3 vertices"),
+        ("f 1/1 2/2", "a face needs 3 vertices"),
+        ("f 1 2 0", "face index is 0, but the first vertex is 1"),
+        ("f 1 2 -5", "face index -5 counts back beyond the 4 vertices so far"),
+        ("f 1 2 x", "face index is not a whole number"),
+        ("f 1 2 1.5", "face index is not a whole number"),
+        ("f //1 //2 //3", "face index is missing"),
+        ("f 1 2 9223372036854775808", "face index is out of range"),
+        ("f 1 2 -9223372036854775809", "face index is out of range"),
+        ("f 1 2 -9223372036854775808", "face index -9223372036854775808 counts back beyond the 4 vertices so far"),
+        ("f 1 2 9223372036854775807", "there is no vertex 9223372036854775807, the file has 4"),
+        ("f 1 2 5", "there is no vertex 5, the file has 4"),
+    ] {
+        let text = format!("# comment \\\n\\\n\n{VERTICES}{line}\nf 1 2 3\n");
+        assert_eq!(error(text), format!("x.obj:8: {message}: \"{line}\""));
+    }
+    assert_eq!(
+        error(b"\nv 1 \xff\x1b[2J 2"),
+        "x.obj:2: vertex coordinate cannot be read: \"v 1 \u{fffd}\\u{1b}[2J 2\""
+    );
+    assert_eq!(error(format!("{VERTICES}f 1 \\\n2 \\\n\nf 1 2 3")), "x.obj:5: a face needs 3 vertices: \"f 1  2\"");
+    assert_eq!(
+        error(format!("{VERTICES}f 1 2 7\nf 1 2 3\nf 9 1 2\nf 8 1 2\nf 1 2 3\n")),
+        "x.obj:7: there is no vertex 9, the file has 4: \"f 9 1 2\""
+    );
+}
+
+#[test]
+fn files_without_triangles_are_refused() {
+    for text in ["", "\n", VERTICES, "# only\\\n", "l 1 2 3\n", "\0\0\0", "mtllib none.mtl\nusemtl none\n"] {
+        assert_eq!(error(text), "x.obj: no triangles", "{text:?}");
+    }
+    let files = Files::new();
+    let message = |path: &Path| files.shorten(&load_obj(path).unwrap_err().to_string());
+    assert_eq!(message(&files.path("none.obj")), "cannot read none.obj: No such file or directory");
+    fs::create_dir(files.path("directory.obj")).unwrap();
+    assert_eq!(message(&files.path("directory.obj")), "cannot read directory.obj: Is a directory");
+    // A line that never ends must not fill the memory.
+    if Path::new("/dev/zero").exists() {
+        assert!(message(Path::new("/dev/zero")).starts_with("/dev/zero:1: line is longer than 16777216 bytes: "));
+    }
+}
+
+const GREY: Vec3 = Vec3::splat(0.8);
+
+#[test]
+fn materials_color_the_triangles() {
+    let files = Files::new();
+    files.write(
+        "one library.mtl",
+        "newmtl red one\nKa x\nKd 1 0 0\nmap_Kd\n\nnewmtl #2\r\n  Kd 0.5 # grey\r\nnewmtl plain\n",
+    );
+    files.write("two.mtl", b"# \xff\nnewmtl \xe9t\xe9\nillum x\nKd 0 .25 1e-1");
+    let obj = format!(
+        "mtllib one library.mtl\nmtllib two.mtl none.mtl\nmtllib two.mtl none.mtl\n{VERTICES}f 1 2 3\n\
+         usemtl #2\nusemtl red one\nf 1 2 4 3\nusemtl #2\nf 1 2 3\nusemtl plain\nf 1 2 3\nusemtl undefined\nf 1 2 3\n\
+         usemtl \u{e9}\nf 1 2 3\nusemtl\nf 1 2 3\nusemtl red one\n"
+    );
+    let (mesh, report) = load_obj(&files.write("x.obj", obj)).unwrap();
+    let colors: Vec<_> = (0..mesh.len() as u32).map(|primitive| mesh.color(primitive)).collect();
+    let half = Vec3::splat(0.5);
+    assert_eq!(colors, [GREY, Vec3::X, Vec3::X, half, GREY, GREY, GREY, GREY]);
+    // Two triangles on the same vertices stay connected across materials.
+    assert_eq!(mesh.positions().len(), 4);
+    let warnings: Vec<_> = report.warnings.iter().map(|warning| files.shorten(warning)).collect();
+    assert_eq!(
+        warnings,
+        [
+            "x.obj:2: material library not found: \"none.mtl\"",
+            "x.obj:16: unknown material, default colour used: \"undefined\" (and 1 more)",
+        ]
+    );
+    // Names need not be UTF-8 to be found.
+    let (mesh, report) = load_obj(
+        &files.write("x.obj", [b"mtllib two.mtl\nusemtl \xe9t\xe9\n", VERTICES.as_bytes(), b"f 1 2 3"].concat()),
+    )
+    .unwrap();
+    assert_eq!((mesh.color(0), report.warnings), (Vec3::new(0.0, 0.25, 0.1), vec![]));
+}
+
+#[test]
+fn impossible_colors_are_clamped_with_a_warning() {
+    let files = Files::new();
+    files.write("x.mtl", "newmtl a\nKd 2 -1 0.5\n");
+    let (mesh, report) = load_obj(&files.write("x.obj", format!("mtllib x.mtl\nusemtl a\n{VERTICES}f 1 2 3"))).unwrap();
+    assert_eq!(mesh.color(0), Vec3::new(1.0, 0.0, 0.5));
+    assert_eq!(files.shorten(&report.warnings[0]), "x.mtl:2: colour clamped to 0..1: \"Kd 2 -1 0.5\"");
+}
+
+#[test]
+fn broken_material_files_are_refused() {
+    let files = Files::new();
+    let obj = files.write("x.obj", format!("mtllib x.mtl\n{VERTICES}f 1 2 3\n"));
+    for (line, message) in [
+        ("Kd", "a colour needs 3 numbers, or 1 for a grey"),
+        ("Kd 1 0", "a colour needs 3 numbers, or 1 for a grey"),
+        ("Kd 1 0 0 0", "a colour needs 3 numbers, or 1 for a grey"),
+        ("Kd 1 nan 0", "colour is NaN"),
+        ("Kd 1 inf 0", "colour is infinite or too large"),
+        ("Kd spectral a.rfl", "colour cannot be read"),
+        ("newmtl", "a material needs a name"),
+        ("newmtl \u{a0}", "a material needs a name"),
+    ] {
+        files.write("x.mtl", format!("# materials\nnewmtl a\n{line}\nKd 1 1 1\n"));
+        let error = files.shorten(&load_obj(&obj).unwrap_err().to_string());
+        assert_eq!(error, format!("x.mtl:3: {message}: \"{line}\""));
+    }
+    files.write("x.mtl", "Kd 1 1 1\n");
+    let error = load_obj(&obj).unwrap_err().to_string();
+    assert_eq!(files.shorten(&error), "x.mtl:1: colour comes before the first newmtl: \"Kd 1 1 1\"");
+    fs::remove_file(files.path("x.mtl")).unwrap();
+    fs::create_dir(files.path("x.mtl")).unwrap();
+    assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read x.mtl: Is a directory");
+}
+
+/// SplitMix64 (Sebastiano Vigna): enough to choose mutations.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) % bound as u64) as usize
+    }
+}
+
+/// Replaces, inserts, removes or repeats a few bytes, with a liking for those that mean something.
+fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
+    const PIECES: [&str; 24] = [
+        "\n",
+        " ",
+        "\\\n",
+        "#",
+        "/",
+        "-",
+        "0",
+        "9",
+        "e9",
+        ".",
+        "nan",
+        "inf",
+        "\r",
+        "\0",
+        "\u{e9}",
+        "v ",
+        "f ",
+        "l ",
+        "usemtl ",
+        "mtllib ",
+        "newmtl ",
+        "Kd ",
+        "99999999999999999999",
+        "\u{feff}",
+    ];
+    let mut bytes = text.as_bytes().to_vec();
+    for _ in 0..=random.below(4) {
+        let start = random.below(bytes.len() + 1);
+        let end = (start + random.below(6)).min(bytes.len());
+        match random.below(4) {
+            0 => drop(bytes.drain(start..end)),
+            1 => drop(bytes.splice(start..start, PIECES[random.below(PIECES.len())].bytes())),
+            2 => drop(bytes.splice(start..end, [random.below(256) as u8])),
+            _ => {
+                let copy = bytes[start..end].to_vec();
+                let to = random.below(bytes.len() + 1);
+                drop(bytes.splice(to..to, copy));
+            }
+        }
+    }
+    bytes
+}
+
+#[test]
+fn mutilated_files_neither_panic_nor_make_invalid_meshes() {
+    const OBJ: &str = "mtllib x.mtl\no a\nv 0 0 0\nv 1 0 0.5 2\nv 0 1e0 0 1 1 1\nv 1 1 0\nvn 0 0 1\nusemtl red\n\
+                       f 1//1 2//1 3//1\nusemtl blue\nf -4 -3 -1 \\\n-2\nl 1 2\nf 4 3 2 1 2\n";
+    const MTL: &str = "# colours\nnewmtl red\nKd 1 0 0.25\nillum 2\nnewmtl blue\nKd .5\n";
+    let files = Files::new();
+    let mut random = Random(1);
+    let (mut loaded, mut refused) = (0, 0);
+    for _ in 0..20_000 {
+        let obj = files.write("x.obj", mutate(OBJ, &mut random));
+        let mtl = files.write("x.mtl", if random.below(2) == 0 { mutate(MTL, &mut random) } else { MTL.into() });
+        match load_obj(&obj) {
+            Ok((mesh, report)) => {
+                loaded += 1;
+                assert!(mesh.iter().flat_map(|triangle| triangle.vertices()).all(Vec3::is_finite));
+                assert!((0..mesh.len() as u32).all(|primitive| mesh.color(primitive).max_element() <= 1.0));
+                assert!(report.warnings.iter().all(|warning| is_short_line(warning)), "{report:?}");
+            }
+            Err(error) => {
+                refused += 1;
+                assert!(is_short_line(&error.to_string()), "{error}");
+            }
+        }
+        // Written over, some file systems would wait for the disk each time.
+        fs::remove_file(obj).unwrap();
+        fs::remove_file(mtl).unwrap();
+    }
+    // Else one branch above was hardly tried.
+    assert!(loaded > 2_000 && refused > 2_000, "{loaded} loaded, {refused} refused");
+}
+
+fn is_short_line(text: &str) -> bool {
+    !text.contains(char::is_control) && text.chars().count() < 400
+}
+
+/// The scenes that measurements are made with; they are not part of the project.
+fn load_scene(name: &str) -> Option<(Mesh, ObjReport)> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
+    if !path.exists() {
+        eprintln!("skipped: there is no {}", path.display());
+        return None;
+    }
+    Some(load_obj(&path).unwrap())
+}
+
+fn assert_bounds(bounds: Aabb, lo: [f32; 3], hi: [f32; 3]) {
+    for (found, expected) in [(bounds.lo, lo), (bounds.hi, hi)] {
+        assert!((found - Vec3::from_array(expected)).abs().max_element() <= 0.000_501, "{bounds:?}");
+    }
+}
+
+#[test]
+fn the_bunny_is_complete() {
+    let Some((mesh, report)) = load_scene("bunny.obj") else { return };
+    assert_eq!((mesh.len(), report.vertices), (69_451, 35_947));
+    // The others belong to no triangle.
+    assert_eq!(mesh.positions().len(), 34_834);
+    assert_eq!((report.degenerate, report.ignored_elements, report.warnings), (0, 0, vec![]));
+    assert_bounds(mesh.bounds(), [-0.095, 0.033, -0.062], [0.061, 0.187, 0.059]);
+}
+
+#[test]
+fn the_sponza_is_complete() {
+    let Some((mesh, report)) = load_scene("sponza.obj") else { return };
+    assert_eq!((mesh.len(), report.vertices, mesh.positions().len()), (66_454, 39_999, 39_999));
+    assert_eq!((report.degenerate, report.ignored_elements, report.warnings), (1, 0, vec![]));
+    assert_bounds(mesh.bounds(), [-17.403, -0.907, -7.799], [17.417, 15.653, 7.801]);
+}

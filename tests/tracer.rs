@@ -1,1 +1,214 @@
+//! The box rule: every way of tracing a ray gives the same bits. Trying all triangles, single rays, packets, coherent and
+//! shuffled order, one thread and two, closest hit and any hit.
 
+use glam::Vec3;
+use raylanes::geom::{Hit, Ray, Triangle};
+use raylanes::kernels::{Intersect, Kernel};
+use raylanes::registry::{self, Visitor};
+use raylanes::tracer::{Mesh, Mode, Part, Scene, SceneSource, load_obj, thread_pool, trace};
+
+/// `SplitMix64` (Steele, Lea, Flood 2014): the tests need reproducible, not good, randomness.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    /// In 0..1.
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn vec3(&mut self) -> Vec3 {
+        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+}
+
+/// Rays that make trouble: at vertices and edges, where triangles tie; along axes, within the planes of boxes; with every
+/// kind of interval; and some that miss everything.
+fn hard_rays(mesh: &Mesh, count: usize) -> Vec<Ray<f32>> {
+    let mut random = Random(7);
+    let size = mesh.bounds().extent().length();
+    (0..count)
+        .map(|_| {
+            let Triangle { v0, v1, v2 } = mesh.triangle(random.below(mesh.len()) as u32);
+            let target = match random.below(4) {
+                0 => v0,
+                1 => (v1 + v2) * 0.5,
+                2 => v0 + (v1 - v0) * random.unit(),
+                _ => v0 + (v1 - v0) * (0.5 * random.unit()) + (v2 - v0) * (0.5 * random.unit()),
+            };
+            let mut dir = match random.below(4) {
+                0 => Vec3::AXES[random.below(3)] * if random.below(2) == 0 { size } else { -size },
+                1 => v1 - target,
+                _ => random.vec3() * size,
+            };
+            if random.below(4) == 0 {
+                dir[random.below(3)] = -0.0;
+            }
+            let distance = [0.0, 0.5, 1.0, 3.0][random.below(4)];
+            let mut ray = Ray::new(target - dir * distance, dir);
+            match random.below(12) {
+                0 => (ray.t_min, ray.t_max) = (f32::NEG_INFINITY, f32::INFINITY),
+                1 => ray.t_max = distance,
+                2 => ray.t_min = distance,
+                3 => (ray.t_min, ray.t_max) = (1.0, 0.5),
+                4 => ray.dir[random.below(3)] = f32::NAN,
+                5 => ray.origin[random.below(3)] = f32::INFINITY,
+                _ => {}
+            }
+            ray
+        })
+        .collect()
+}
+
+fn assert_same(what: &str, rays: &[Ray<f32>], expected: &[Hit<f32>], got: &[Hit<f32>]) {
+    assert_eq!(expected.len(), got.len());
+    for (index, (a, b)) in expected.iter().zip(got).enumerate() {
+        assert!(
+            a.mask == b.mask && a.to_bits() == b.to_bits(),
+            "{what}: ray {index} {:?}\nexpected {a:?} {:08x?}\ngot      {b:?} {:08x?}",
+            rays[index],
+            a.to_bits(),
+            b.to_bits()
+        );
+    }
+}
+
+/// Traces the rays in every way; brute force gets every `stride`-th.
+fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[Ray<f32>], stride: usize) {
+    let name = format!("{name}, {}", K::INFO.id);
+    let expected = trace(scene, rays, false, Mode::Scalar);
+    let hits = expected.iter().filter(|hit| hit.mask).count();
+    assert!(hits * 5 > rays.len(), "{name}: only {hits} of {} rays hit", rays.len());
+
+    let some: Vec<_> = rays.iter().step_by(stride).copied().collect();
+    let brute: Vec<_> = some.iter().map(|ray| scene.closest_hit_brute_force(ray)).collect();
+    let tree: Vec<_> = expected.iter().step_by(stride).copied().collect();
+    assert_same(&format!("{name}: tree and brute force"), &some, &brute, &tree);
+
+    let mut order: Vec<usize> = (0..rays.len()).collect();
+    let mut random = Random(1);
+    for last in (1..order.len()).rev() {
+        order.swap(last, random.below(last + 1));
+    }
+    let shuffled: Vec<_> = order.iter().map(|&index| rays[index]).collect();
+    let expected_shuffled: Vec<_> = order.iter().map(|&index| expected[index]).collect();
+    let masks = |hits: &[Hit<f32>]| {
+        hits.iter()
+            .map(|hit| if hit.mask { Hit::<f32>::new(true, 0.0, 0.0, 0.0) } else { Hit::MISS })
+            .collect::<Vec<_>>()
+    };
+    for mode in Mode::ALL {
+        for threads in [1, 2] {
+            let pool = thread_pool(threads).unwrap();
+            let way = format!("{name}, {}, {threads} threads", mode.name());
+            pool.install(|| {
+                assert_same(&way, rays, &expected, &trace(scene, rays, false, mode));
+                assert_same(&format!("{way}, any hit"), rays, &masks(&expected), &trace(scene, rays, true, mode));
+                let got = trace(scene, &shuffled, false, mode);
+                assert_same(&format!("{way}, shuffled"), &shuffled, &expected_shuffled, &got);
+            });
+        }
+    }
+    // A packet cut off in the middle, and an empty one.
+    assert_same(&format!("{name}, partial"), rays, &expected[..13], &trace(scene, &rays[..13], false, Mode::Packet));
+    assert!(trace(scene, &[], false, Mode::Packet).is_empty());
+}
+
+struct EveryKernel<'a> {
+    name: &'a str,
+    mesh: &'a Mesh,
+    rays: &'a [Ray<f32>],
+    stride: usize,
+}
+
+impl Visitor<Triangle> for EveryKernel<'_> {
+    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+        every_way(self.name, &Scene::<K>::new(self.mesh.clone()), self.rays, self.stride);
+    }
+}
+
+fn check(source: &SceneSource, mesh: &Mesh) {
+    let mut rays = source.view(mesh, 64, 64).0.rays(64, 64);
+    rays.extend(hard_rays(mesh, 8_000));
+    // About 20 million tests by brute force, whatever the size of the mesh.
+    let stride = (rays.len() * mesh.len() / 20_000_000).max(1);
+    registry::triangles(&mut EveryKernel { name: &source.name(), mesh, rays: &rays, stride });
+}
+
+#[test]
+fn built_in_scenes_have_identical_hits() {
+    for name in ["room:small", "room", "terrain:1e3", "terrain:1e5", "sphere:small", "sphere"] {
+        let source = SceneSource::parse(name).unwrap();
+        check(&source, &source.load().unwrap().0);
+    }
+}
+
+#[test]
+fn real_scenes_have_identical_hits() {
+    for file in ["bunny.obj", "sponza.obj"] {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(file);
+        if !path.exists() {
+            eprintln!("skipped: {file} is not beside this checkout");
+            continue;
+        }
+        check(&SceneSource::Obj(path.clone()), &load_obj(&path).unwrap().0);
+    }
+}
+
+/// Triangles that tie in `t`: each is there several times, and the copies are in different leaves.
+#[test]
+fn the_lower_primitive_number_wins_ties() {
+    let mesh = SceneSource::parse("sphere:small").unwrap().load().unwrap().0;
+    let copies = 5;
+    let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
+    let many =
+        Mesh::new(mesh.positions().to_vec(), triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap();
+    let rays = hard_rays(&mesh, 4_000);
+    registry::triangles(&mut EveryKernel { name: "copies", mesh: &many, rays: &rays, stride: 1 });
+    let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::new(many), &rays, false, Mode::Packet);
+    assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
+}
+
+/// The kind of Embree's issue 387: rays from afar, nearly parallel to a triangle, are reported to hit it where it is not,
+/// since barycentrics and `t` are quotients of rounding errors. The rule removes what is outside the triangle's own box.
+#[test]
+fn hits_stay_in_their_own_box() {
+    let mut random = Random(3);
+    let (mut removed, mut kept) = (0, 0);
+    for _ in 0..200_000 {
+        let triangle = Triangle { v0: random.vec3(), v1: random.vec3(), v2: random.vec3() };
+        // Through a point of the plane beside the triangle, or in it, from afar and almost within the plane.
+        let [e1, e2] = [triangle.v1 - triangle.v0, triangle.v2 - triangle.v0];
+        let target = triangle.v0 + e1 * (3.0 * random.unit() - 1.0) + e2 * (3.0 * random.unit() - 1.0);
+        let dir = e1 * random.unit() + e2 * random.unit() + random.vec3() * 1e-4;
+        let ray = Ray::new(target - dir * 1e4, dir);
+        let corners = triangle.vertices().to_vec();
+        let part = Part { first_triangle: 0, color: Vec3::ONE };
+        let scene = Scene::<raylanes::kernels::triangle::MollerTrumbore<f32>>::new(
+            Mesh::new(corners, vec![[0, 1, 2]], vec![part]).unwrap(),
+        );
+        let bare = Intersect::<f32>::hit(&raylanes::kernels::triangle::MollerTrumbore::prepare(&triangle), &ray);
+        let hit = Intersect::<f32>::hit(&scene, &ray);
+        assert!(bare.mask || !hit.mask, "the rule only removes hits");
+        removed += u32::from(bare.mask && !hit.mask);
+        if hit.mask {
+            kept += 1;
+            let bounds = triangle.bounds();
+            // The padding, 4 ulp of t.
+            let (point, slack) = (ray.at(hit.t), Vec3::splat(4e-6 * hit.t.abs() * dir.length()));
+            assert!(point.cmpge(bounds.lo - slack).all() && point.cmple(bounds.hi + slack).all(), "{hit:?} at {point}");
+        }
+    }
+    assert!(removed > 100 && kept > 100, "{removed} removed, {kept} kept: the case does not show what it should");
+}

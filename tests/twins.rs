@@ -131,11 +131,11 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
         let setup = <K as Intersect<f32>>::setup(&case.rays[ray]);
         let packet = Ray::splat(&case.rays[ray]);
         let hits = gathered.hit(&packet);
-        for lane in 0..8 {
+        for (lane, primitive) in primitives.iter().enumerate() {
             let expected = scalar(lane, ray);
             rates[1].count(&expected);
             compare::<K>("1 ray x 8 primitives", case, lane, ray, lane, expected, hits.lane(lane))?;
-            if Intersect::<f32>::any_hit(&primitives[lane], &case.rays[ray], &setup) != expected.mask {
+            if Intersect::<f32>::any_hit(primitive, &case.rays[ray], &setup) != expected.mask {
                 return Err(format!("{}: scalar any_hit and closest_hit differ", K::INFO.id));
             }
         }

@@ -12,13 +12,14 @@ use super::lanes::{Lanes, Mask8, Vec3x8, eq8, ne8};
 /// packet is switched off. A ray with a NaN anywhere, a zero direction, or an infinite origin or direction misses
 /// everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray<L: Lanes> {
     /// Where `t` is zero.
     pub origin: L::Vec3,
-    /// The step per unit of `t`.
-    pub dir: L::Vec3,
     /// Least `t` that counts.
     pub t_min: L,
+    /// The step per unit of `t`.
+    pub dir: L::Vec3,
     /// Greatest `t` that counts.
     pub t_max: L,
 }
@@ -45,8 +46,8 @@ impl Ray<f32> {
     #[inline(always)]
     pub fn is_valid(&self) -> bool {
         let (o, d) = (self.origin, self.dir);
-        // x - x is 0 for a finite x and NaN otherwise.
-        let residue = ((o.x - o.x) + (o.y - o.y) + (o.z - o.z)) + ((d.x - d.x) + (d.y - d.y) + (d.z - d.z));
+        // x · 0 is ±0 for a finite x and NaN otherwise.
+        let residue = (o.x * 0.0 + o.y * 0.0 + o.z * 0.0) + (d.x * 0.0 + d.y * 0.0 + d.z * 0.0);
         (residue == 0.0) & ((d.x != 0.0) | (d.y != 0.0) | (d.z != 0.0))
     }
 }
@@ -102,8 +103,8 @@ impl Ray<f32x8> {
     #[inline(always)]
     pub fn is_valid(&self) -> Mask8 {
         let (o, d) = (self.origin, self.dir);
-        let residue = ((o.x - o.x) + (o.y - o.y) + (o.z - o.z)) + ((d.x - d.x) + (d.y - d.y) + (d.z - d.z));
         let zero = f32x8::ZERO;
+        let residue = (o.x * zero + o.y * zero + o.z * zero) + (d.x * zero + d.y * zero + d.z * zero);
         eq8(residue, zero) & (ne8(d.x, zero) | ne8(d.y, zero) | ne8(d.z, zero))
     }
 }

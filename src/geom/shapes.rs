@@ -2,6 +2,24 @@
 
 use glam::{Affine3, Vec3};
 
+/// A shape that kernels intersect, and the name of its family of kernels.
+pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
+    /// First part of the IDs of its kernels.
+    const FAMILY: &'static str;
+}
+
+impl Shape for Aabb {
+    const FAMILY: &'static str = "aabb";
+}
+
+impl Shape for Triangle {
+    const FAMILY: &'static str = "triangle";
+}
+
+impl<S: Shape> Shape for Placed<S> {
+    const FAMILY: &'static str = "instance";
+}
+
 /// A triangle. Its front side, and its normal, point to where the vertices appear counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {

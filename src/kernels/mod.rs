@@ -16,7 +16,8 @@ pub mod triangle;
 
 use wide::f32x8;
 
-use crate::geom::{Aabb, Hit, Lanes, Placed, Ray, Triangle};
+pub use crate::geom::Shape;
+use crate::geom::{Hit, Lanes, Ray};
 
 /// Anything that one ray (`L = f32`) or eight (`L = f32x8`) can be intersected with: a prepared primitive, an instance
 /// of one, a whole scene.
@@ -43,24 +44,6 @@ pub trait Intersect<L: Lanes> {
     fn hit(&self, ray: &Ray<L>) -> Hit<L> {
         self.closest_hit(ray, &Self::setup(ray))
     }
-}
-
-/// A shape that kernels intersect, and the name of its family of kernels.
-pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
-    /// First part of the IDs of its kernels.
-    const FAMILY: &'static str;
-}
-
-impl Shape for Aabb {
-    const FAMILY: &'static str = "aabb";
-}
-
-impl Shape for Triangle {
-    const FAMILY: &'static str = "triangle";
-}
-
-impl<S: Shape> Shape for Placed<S> {
-    const FAMILY: &'static str = "instance";
 }
 
 /// One intersection method for one shape; implemented by its scalar prepared primitive.

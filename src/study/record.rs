@@ -136,7 +136,7 @@ pub struct AccuracyRow {
     pub t_ulp_max: u64,
     /// Hits whose `t` is off by more than 1 %, per million agreed hits.
     pub gross_per_million: f64,
-    /// Absolute error of `u` and `v` (triangles; 0 for boxes): 99th percentile.
+    /// Absolute error of `u` and `v` (for a box: of the exit distance): 99th percentile.
     pub uv_error_p99: f64,
     /// Greatest.
     pub uv_error_max: f64,

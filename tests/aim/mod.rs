@@ -252,10 +252,10 @@ impl Aimed for Aabb {
 
     fn with_coordinate(&self, index: usize, value: f32) -> Self {
         let mut changed = *self;
-        if index % 2 == 0 {
-            changed.lo[index / 2 % 3] = value
+        if index.is_multiple_of(2) {
+            changed.lo[index / 2 % 3] = value;
         } else {
-            changed.hi[index / 2 % 3] = value
+            changed.hi[index / 2 % 3] = value;
         }
         changed
     }
@@ -290,7 +290,7 @@ impl<S: Aimed> Aimed for Placed<S> {
 
     fn with_coordinate(&self, index: usize, value: f32) -> Self {
         let mut changed = *self;
-        if index % 3 == 0 {
+        if index.is_multiple_of(3) {
             changed.object_to_world.matrix3.x_axis[index / 3 % 3] = value;
         } else {
             changed.shape = self.shape.with_coordinate(index, value);

@@ -15,6 +15,8 @@ mod sign_selected;
 
 pub use division::Division;
 pub use padded::Padded;
+#[cfg(feature = "tracer")]
+pub(crate) use padded::{pad, pad8};
 pub use reciprocal::Reciprocal;
 pub use sign_selected::SignSelected;
 
@@ -48,7 +50,7 @@ impl Slabs<f32x8> {
 
 impl<P: Lanes> Slabs<P> {
     #[inline(always)]
-    fn widen(&self) -> Slabs<f32x8> {
+    pub(crate) fn widen(&self) -> Slabs<f32x8> {
         Slabs { lo: P::widen_vec3(self.lo), hi: P::widen_vec3(self.hi) }
     }
 }

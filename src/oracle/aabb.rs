@@ -1,0 +1,137 @@
+//! Boxes, by slabs: the ray's own interval, cut down by each pair of planes in turn.
+//!
+//! A box is the set of the points it contains. So a ray that runs parallel to a slab is within it or not, an infinite
+//! plane cuts nothing off, and a box whose least plane is `+∞`, or greatest `-∞`, is empty.
+
+use core::cmp::Ordering;
+
+use glam::Vec3;
+
+use crate::geom::{Aabb, Placed, Ray};
+
+use super::number::{Linear, Number, compare, minus};
+use super::{Locate, Truth, can_hit};
+
+impl Locate for Aabb {
+    fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
+        if !can_hit(ray) || is_empty(self) {
+            return Some(Truth::MISS);
+        }
+        let [o, lo, hi] = N::vectors([ray.origin, zero_unless_finite(self.lo), zero_unless_finite(self.hi)]);
+        let [d] = &N::vectors([ray.dir]);
+        clip(self, &minus(&lo, &o), &minus(&hi, &o), d, ray)
+    }
+}
+
+/// The ray is moved into the box's space, and everything there is multiplied by the transform's determinant, so that
+/// nothing is divided.
+impl Locate for Placed<Aabb> {
+    fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
+        let Self { shape, object_to_world: transform } = self;
+        if !can_hit(ray) || is_empty(shape) || !transform.is_finite() {
+            return Some(Truth::MISS);
+        }
+        let Some(linear) = Linear::<N>::of(transform)? else {
+            return Some(Truth::MISS);
+        };
+        let [o, translation] = &N::vectors([ray.origin, transform.translation]);
+        let o = linear.apply_adjugate(&minus(o, translation));
+        let [d] = &N::vectors([ray.dir]);
+        let planes = N::vectors([zero_unless_finite(shape.lo), zero_unless_finite(shape.hi)]);
+        let [lo, hi] = planes.map(|corner| minus(&corner.map(|plane| plane.times(&linear.det)), &o));
+        clip(shape, &lo, &hi, &linear.apply_adjugate(d), ray)
+    }
+}
+
+fn is_empty(shape: &Aabb) -> bool {
+    let ordered = shape.lo.cmple(shape.hi) & shape.lo.cmplt(Vec3::INFINITY) & shape.hi.cmpgt(Vec3::NEG_INFINITY);
+    !ordered.all()
+}
+
+/// Stands in for infinite planes, which [`clip`] skips.
+fn zero_unless_finite(corner: Vec3) -> Vec3 {
+    Vec3::select(corner.is_finite_mask(), corner, Vec3::ZERO)
+}
+
+/// The answer for the planes `lo` and `hi`, measured from the origin, and the direction `d`. `shape` tells which
+/// planes are infinite.
+fn clip<N: Number>(shape: &Aabb, lo: &[N; 3], hi: &[N; 3], d: &[N; 3], ray: &Ray<f32>) -> Option<Truth> {
+    let (mut entry, mut exit) = (Bound::Interval(ray.t_min), Bound::Interval(ray.t_max));
+    let mut within_face = false;
+    for axis in 0..3 {
+        let d = &d[axis];
+        let lo = shape.lo[axis].is_finite().then_some(&lo[axis]);
+        let hi = shape.hi[axis].is_finite().then_some(&hi[axis]);
+        match d.sign()? {
+            Ordering::Greater => {
+                entry = entry.latest(lo.map(|lo| Bound::plane(lo.clone(), d.clone())))?;
+                exit = exit.earliest(hi.map(|hi| Bound::plane(hi.clone(), d.clone())))?;
+            }
+            Ordering::Less => {
+                entry = entry.latest(hi.map(|hi| Bound::plane(hi.negated(), d.negated())))?;
+                exit = exit.earliest(lo.map(|lo| Bound::plane(lo.negated(), d.negated())))?;
+            }
+            Ordering::Equal => {
+                for (plane, outside) in [(lo, Ordering::Greater), (hi, Ordering::Less)] {
+                    let side = plane.map_or(Some(outside.reverse()), N::sign)?;
+                    if side == outside {
+                        return Some(Truth::MISS);
+                    }
+                    within_face |= side.is_eq();
+                }
+            }
+        }
+    }
+    let order = entry.compare(&exit)?;
+    if order.is_gt() {
+        return Some(Truth::MISS);
+    }
+    // Where entry and exit are one point, the box's surface is there, unless no plane had a part in it: then the
+    // interval itself is that one point, and the box reaches beyond it on both sides.
+    let touching = order.is_eq() && !matches!((&entry, &exit), (Bound::Interval(_), Bound::Interval(_)));
+    Some(Truth { hit: true, boundary: within_face | touching, t: entry.round()?, u: exit.round()?, v: 0.0 })
+}
+
+/// Where the ray enters or leaves: at an end of its own interval, or at a plane.
+enum Bound<N> {
+    Interval(f32),
+    /// `t = num / den`, `den > 0`.
+    Plane {
+        num: N,
+        den: N,
+    },
+}
+
+impl<N: Number> Bound<N> {
+    fn plane(num: N, den: N) -> Self {
+        Self::Plane { num, den }
+    }
+
+    fn compare(&self, other: &Self) -> Option<Ordering> {
+        match (self, other) {
+            (Self::Interval(a), Self::Interval(b)) => a.partial_cmp(b),
+            (Self::Plane { num, den }, Self::Interval(t)) => compare(num, den, *t),
+            (Self::Interval(t), Self::Plane { num, den }) => compare(num, den, *t).map(Ordering::reverse),
+            (Self::Plane { num: n, den: d }, Self::Plane { num: m, den: e }) => n.times(e).minus(&m.times(d)).sign(),
+        }
+    }
+
+    /// The later one; the plane when they are equal.
+    fn latest(self, plane: Option<Self>) -> Option<Self> {
+        let Some(plane) = plane else { return Some(self) };
+        Some(if plane.compare(&self)?.is_ge() { plane } else { self })
+    }
+
+    /// The earlier one; the plane when they are equal.
+    fn earliest(self, plane: Option<Self>) -> Option<Self> {
+        let Some(plane) = plane else { return Some(self) };
+        Some(if plane.compare(&self)?.is_le() { plane } else { self })
+    }
+
+    fn round(&self) -> Option<f32> {
+        match self {
+            Self::Interval(t) => Some(*t),
+            Self::Plane { num, den } => num.over(den),
+        }
+    }
+}

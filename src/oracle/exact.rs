@@ -1,0 +1,117 @@
+//! Exact arithmetic on whole numbers times powers of two, and the one rounding at its end.
+
+use core::cmp::Ordering;
+
+use dashu_int::ops::{BitTest, DivRem, UnsignedAbs};
+use dashu_int::{IBig, Sign};
+use glam::Vec3;
+
+use super::number::Number;
+
+/// `int · 2^exponent`, exactly.
+///
+/// Sums of different exponents shift one operand. The formulas are homogeneous, so this hardly ever happens once the
+/// inputs that are added to each other have one exponent ([`Number::vectors`]).
+#[derive(Clone, Debug)]
+pub(super) struct Dyadic {
+    int: IBig,
+    exponent: i32,
+}
+
+impl Number for Dyadic {
+    fn new(value: f32) -> Self {
+        let (mantissa, exponent) = split(value);
+        Self { int: mantissa.into(), exponent }
+    }
+
+    fn vectors<const K: usize>(vectors: [Vec3; K]) -> [[Self; 3]; K] {
+        let parts = vectors.map(|vector| vector.to_array().map(split));
+        let exponents = parts.as_flattened().iter().filter(|part| part.0 != 0).map(|part| part.1);
+        let exponent = exponents.min().unwrap_or(0);
+        parts.map(|vector| {
+            vector.map(|(mantissa, own)| {
+                let shift = if mantissa == 0 { 0 } else { own.abs_diff(exponent) as usize };
+                Self { int: IBig::from(mantissa) << shift, exponent }
+            })
+        })
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let (low, high) = if self.exponent <= other.exponent { (self, other) } else { (other, self) };
+        let exponent = low.exponent;
+        let int = match high.exponent.abs_diff(exponent) {
+            0 => &low.int + &high.int,
+            shift => &low.int + (&high.int << shift as usize),
+        };
+        Self { int, exponent }
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        if self.exponent == other.exponent {
+            return Self { int: &self.int - &other.int, exponent: self.exponent };
+        }
+        self.plus(&other.negated())
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        Self { int: &self.int * &other.int, exponent: self.exponent + other.exponent }
+    }
+
+    fn negated(&self) -> Self {
+        Self { int: -&self.int, exponent: self.exponent }
+    }
+
+    fn sign(&self) -> Option<Ordering> {
+        Some(if self.int.is_zero() {
+            Ordering::Equal
+        } else if self.int.sign() == Sign::Positive {
+            Ordering::Greater
+        } else {
+            Ordering::Less
+        })
+    }
+
+    /// Takes 31 or 32 bits of the quotient and, as a sticky bit, whether any follow. `f64` holds them exactly, and
+    /// its conversion rounds them to the (at most 24) bits of an `f32`, to subnormals and to infinity included: with
+    /// the sticky bit further right than the first rounded-off bit, every tie is a true one.
+    fn over(&self, divisor: &Self) -> Option<f32> {
+        if self.int.is_zero() {
+            return Some(0.0);
+        }
+        let (mut num, mut den) = ((&self.int).unsigned_abs(), (&divisor.int).unsigned_abs());
+        let lengths = (num.bit_len(), den.bit_len());
+        let mut exponent = self.exponent - divisor.exponent;
+        if lengths.0 < lengths.1 + 31 {
+            let shift = lengths.1 + 31 - lengths.0;
+            num <<= shift;
+            exponent -= shift as i32;
+        } else {
+            let shift = lengths.0 - (lengths.1 + 31);
+            den <<= shift;
+            exponent += shift as i32;
+        }
+        let (quotient, rest) = num.div_rem(den);
+        let bits = u32::try_from(quotient).expect("a quotient of at most 32 bits") | u32::from(!rest.is_zero());
+        let magnitude = (f64::from(bits) * power_of_two(exponent)) as f32;
+        Some(if self.int.sign() == Sign::Negative { -magnitude } else { magnitude })
+    }
+}
+
+/// A finite number as `(mantissa, exponent)`, its value being `mantissa · 2^exponent`, with the least mantissa.
+fn split(value: f32) -> (i32, i32) {
+    let bits = value.to_bits();
+    let (field, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
+    // Subnormals have the exponent of the smallest normal numbers, and no implicit leading bit.
+    let magnitude = if field == 0 { fraction } else { fraction | 1 << 23 };
+    if magnitude == 0 {
+        return (0, 0);
+    }
+    let zeros = magnitude.trailing_zeros();
+    let mantissa = magnitude >> zeros;
+    (if value < 0.0 { -mantissa } else { mantissa }, field.max(1) - 150 + zeros as i32)
+}
+
+/// `2^exponent`, or a power that is as surely beyond the range of `f32`, on the same side.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent.clamp(-500, 500) + 1023) as u64) << 52)
+}

@@ -1,0 +1,91 @@
+//! What the formulas of the shapes ask of a number, and vectors of such numbers.
+
+use core::cmp::Ordering;
+
+use glam::{Affine3, Vec3};
+
+/// A number to compute signs and rounded quotients with: exact, or enclosed by an error bound. Where the bound leaves
+/// a doubt, the question is answered with `None`.
+pub(super) trait Number: Clone {
+    /// The number `value`, which must be finite.
+    fn new(value: f32) -> Self;
+    /// Vectors, all finite, that are going to be added to or subtracted from each other.
+    fn vectors<const K: usize>(vectors: [Vec3; K]) -> [[Self; 3]; K];
+
+    /// `self + other`.
+    fn plus(&self, other: &Self) -> Self;
+    /// `self · other`.
+    fn times(&self, other: &Self) -> Self;
+    /// `-self`.
+    fn negated(&self) -> Self;
+    /// `self - other`.
+    fn minus(&self, other: &Self) -> Self {
+        self.plus(&other.negated())
+    }
+
+    /// How the number compares to zero.
+    fn sign(&self) -> Option<Ordering>;
+    /// `self / divisor`, correctly rounded, for a divisor whose sign is known to be positive.
+    fn over(&self, divisor: &Self) -> Option<f32>;
+}
+
+/// How `num / den`, with `den > 0`, compares to `limit`, which may be infinite.
+pub(super) fn compare<N: Number>(num: &N, den: &N, limit: f32) -> Option<Ordering> {
+    if limit.is_infinite() {
+        return 0.0.partial_cmp(&limit);
+    }
+    num.minus(&den.times(&N::new(limit))).sign()
+}
+
+/// `a - b`.
+pub(super) fn minus<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
+    core::array::from_fn(|axis| a[axis].minus(&b[axis]))
+}
+
+/// `a · b`.
+pub(super) fn dot<N: Number>(a: &[N; 3], b: &[N; 3]) -> N {
+    a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
+}
+
+/// `a × b`.
+pub(super) fn cross<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(j, k)| a[j].times(&b[k]).minus(&a[k].times(&b[j])))
+}
+
+/// The linear part L of an affine transform, and its inverse but for the division.
+pub(super) struct Linear<N> {
+    rows: [[N; 3]; 3],
+    /// Rows of |det L| · L⁻¹, the adjugate with the sign of the determinant.
+    adjugate: [[N; 3]; 3],
+    /// |det L|.
+    pub(super) det: N,
+}
+
+impl<N: Number> Linear<N> {
+    /// Takes a finite transform apart. The outer `None` is doubt, the inner one a transform without inverse.
+    pub(super) fn of(transform: &Affine3) -> Option<Option<Self>> {
+        let matrix = &transform.matrix3;
+        let rows = N::vectors([matrix.row(0), matrix.row(1), matrix.row(2)]);
+        let [x, y, z] = &N::vectors([matrix.x_axis, matrix.y_axis, matrix.z_axis]);
+        let adjugate = [cross(y, z), cross(z, x), cross(x, y)];
+        let det = dot(x, &adjugate[0]);
+        Some(match det.sign()? {
+            Ordering::Equal => None,
+            Ordering::Greater => Some(Self { rows, adjugate, det }),
+            Ordering::Less => {
+                let adjugate = adjugate.map(|row| row.map(|entry| entry.negated()));
+                Some(Self { rows, adjugate, det: det.negated() })
+            }
+        })
+    }
+
+    /// L · `vector`.
+    pub(super) fn apply(&self, vector: &[N; 3]) -> [N; 3] {
+        self.rows.each_ref().map(|row| dot(row, vector))
+    }
+
+    /// |det L| · L⁻¹ · `vector`.
+    pub(super) fn apply_adjugate(&self, vector: &[N; 3]) -> [N; 3] {
+        self.adjugate.each_ref().map(|row| dot(row, vector))
+    }
+}

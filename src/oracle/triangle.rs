@@ -1,0 +1,87 @@
+//! Triangles: the determinants of Möller and Trumbore, whose signs decide everything and whose quotients are `t`, `u`
+//! and `v`.
+//!
+//! A triangle of zero area, or parallel to the ray, has the determinant zero and misses.
+
+use core::cmp::Ordering;
+
+use crate::geom::{Placed, Ray, Triangle};
+
+use super::number::{Linear, Number, compare, cross, dot, minus};
+use super::{Locate, Truth, can_hit};
+
+impl Locate for Triangle {
+    fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
+        if !can_hit(ray) || !is_finite(self) {
+            return Some(Truth::MISS);
+        }
+        let [o, v0, v1, v2] = &N::vectors([ray.origin, self.v0, self.v1, self.v2]);
+        solve(&minus(o, v0), &minus(v1, v0), &minus(v2, v0), ray)
+    }
+}
+
+/// The triangle is moved into the world: `t`, `u` and `v` are the same on both sides of an affine transform.
+impl Locate for Placed<Triangle> {
+    fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
+        let transform = &self.object_to_world;
+        if !can_hit(ray) || !is_finite(&self.shape) || !transform.is_finite() {
+            return Some(Truth::MISS);
+        }
+        let Some(linear) = Linear::<N>::of(transform)? else {
+            return Some(Truth::MISS);
+        };
+        let [v0, v1, v2] = &N::vectors(self.shape.vertices());
+        let [o, translation] = &N::vectors([ray.origin, transform.translation]);
+        let s = minus(&minus(o, translation), &linear.apply(v0));
+        solve(&s, &linear.apply(&minus(v1, v0)), &linear.apply(&minus(v2, v0)), ray)
+    }
+}
+
+fn is_finite(triangle: &Triangle) -> bool {
+    triangle.vertices().iter().all(|vertex| vertex.is_finite())
+}
+
+/// The answer for the edges `e1` and `e2`, which leave one vertex, and `s`, which leads from there to the origin.
+fn solve<N: Number>(s: &[N; 3], e1: &[N; 3], e2: &[N; 3], ray: &Ray<f32>) -> Option<Truth> {
+    let [d] = &N::vectors([ray.dir]);
+    let mut boundary = false;
+
+    let p = cross(d, e2);
+    let det = dot(e1, &p);
+    // From here on every determinant has the sign of the quantity it stands for.
+    let facing = det.sign()?;
+    let scaled = |determinant: N| if facing == Ordering::Less { determinant.negated() } else { determinant };
+    if facing == Ordering::Equal {
+        return Some(Truth::MISS);
+    }
+    let det = scaled(det);
+
+    let u_scaled = scaled(dot(s, &p));
+    match u_scaled.sign()? {
+        Ordering::Less => return Some(Truth::MISS),
+        side => boundary |= side.is_eq(),
+    }
+
+    let q = cross(s, e1);
+    let v_scaled = scaled(dot(d, &q));
+    match v_scaled.sign()? {
+        Ordering::Less => return Some(Truth::MISS),
+        side => boundary |= side.is_eq(),
+    }
+    match det.minus(&u_scaled).minus(&v_scaled).sign()? {
+        Ordering::Less => return Some(Truth::MISS),
+        side => boundary |= side.is_eq(),
+    }
+
+    let t_scaled = scaled(dot(e2, &q));
+    match compare(&t_scaled, &det, ray.t_min)? {
+        Ordering::Less => return Some(Truth::MISS),
+        side => boundary |= side.is_eq(),
+    }
+    match compare(&t_scaled, &det, ray.t_max)? {
+        Ordering::Greater => return Some(Truth::MISS),
+        side => boundary |= side.is_eq(),
+    }
+
+    Some(Truth { hit: true, boundary, t: t_scaled.over(&det)?, u: u_scaled.over(&det)?, v: v_scaled.over(&det)? })
+}

@@ -1,0 +1,113 @@
+//! Throughput of the tracer on pictures: primary rays, and the shadow rays of their hits.
+
+use std::time::Instant;
+
+use super::Progress;
+use super::record::TracerRow;
+use super::stats::{mad, median};
+use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::Kernel;
+use crate::kernels::triangle::MollerTrumbore;
+use crate::tracer::{Error, Mode, Scene, SceneSource, checksum, shadow_rays, thread_pool, trace};
+
+/// A picture's worth of rays.
+struct RaySet {
+    name: &'static str,
+    any_hit: bool,
+    rays: Vec<Ray<f32>>,
+}
+
+/// Times one scene, with every mode and number of threads, interleaved.
+///
+/// # Errors
+/// If the scene cannot be loaded, or if two modes or thread counts disagree about a hit.
+pub(crate) fn measure(
+    source: &SceneSource,
+    size: u32,
+    samples: usize,
+    thread_counts: &[usize],
+    progress: &Progress,
+) -> Result<Vec<TracerRow>, Error> {
+    progress.note(&format!("{}: building", source.name()));
+    let mesh = source.load()?.0;
+    let start = Instant::now();
+    let scene = Scene::<MollerTrumbore<f32>>::new(mesh);
+    let build_seconds = start.elapsed().as_secs_f64();
+    let mut rows = Vec::new();
+    for set in ray_sets(source, &scene, size) {
+        progress.note(&format!("{}: {} rays", source.name(), set.name));
+        rows.extend(measure_set(&scene, &set, samples, thread_counts)?.into_iter().map(|row| TracerRow {
+            scene: source.name(),
+            triangles: scene.mesh().len(),
+            build_seconds,
+            bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
+            ..row
+        }));
+    }
+    Ok(rows)
+}
+
+fn ray_sets<K: Kernel<Shape = Triangle>>(source: &SceneSource, scene: &Scene<K>, size: u32) -> [RaySet; 2] {
+    let (camera, light) = source.view(scene.mesh(), size, size);
+    let rays = camera.rays(size, size);
+    let hits = trace(scene, &rays, false, Mode::Packet);
+    let shadows = shadow_rays(scene, &rays, &hits, light);
+    [
+        RaySet { name: "primary", any_hit: false, rays },
+        // Only where there is something to shade.
+        RaySet {
+            name: "shadow",
+            any_hit: true,
+            rays: shadows.into_iter().zip(&hits).filter(|(_, hit)| hit.mask).map(|(ray, _)| ray).collect(),
+        },
+    ]
+}
+
+/// Rows with everything but what describes the scene.
+fn measure_set<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    set: &RaySet,
+    samples: usize,
+    thread_counts: &[usize],
+) -> Result<Vec<TracerRow>, Error> {
+    struct Job {
+        mode: Mode,
+        pool: rayon::ThreadPool,
+        mrays: Vec<f64>,
+        hits: Vec<Hit<f32>>,
+    }
+    let mut jobs = Vec::new();
+    for mode in Mode::ALL {
+        for &threads in thread_counts {
+            let pool = thread_pool(threads)?;
+            let hits = pool.install(|| trace(scene, &set.rays, set.any_hit, mode));
+            jobs.push(Job { mode, pool, mrays: Vec::new(), hits });
+        }
+    }
+    for _ in 0..samples {
+        for job in &mut jobs {
+            let start = Instant::now();
+            job.hits = job.pool.install(|| trace(scene, &set.rays, set.any_hit, job.mode));
+            job.mrays.push(set.rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
+        }
+        if let Some(odd) = jobs.iter().find(|job| checksum(&job.hits) != checksum(&jobs[0].hits)) {
+            return Err(Error::Disagreement(format!("{} rays, mode {}", set.name, odd.mode.name())));
+        }
+    }
+    let row = |job: Job| TracerRow {
+        scene: String::new(),
+        triangles: 0,
+        rays: set.name.into(),
+        ray_count: set.rays.len(),
+        hits: job.hits.iter().filter(|hit| hit.mask).count(),
+        mode: job.mode.name().into(),
+        kernel: K::INFO.id.to_string(),
+        threads: job.pool.current_num_threads(),
+        mrays_per_second: median(&job.mrays),
+        mrays_per_second_mad: mad(&job.mrays),
+        build_seconds: 0.0,
+        bytes_per_triangle: 0.0,
+        checksum: format!("{:016x}", checksum(&job.hits)),
+    };
+    Ok(jobs.into_iter().map(row).collect())
+}

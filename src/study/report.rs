@@ -1,0 +1,422 @@
+//! `report.md`: the record in words and tables. Every figure in it comes from the record.
+
+use super::figures::{
+    Cell, Figures, Grid, Group, MISSING, Rate, count, groups, number, si, thread_counts, times, tracer_cells,
+    tracer_header, tracer_rows,
+};
+use super::record::{AccuracyRow, Record, SpeedRow};
+
+/// The report, in Markdown; it shows `speed-accuracy.svg`, which belongs beside it.
+pub(super) fn report_markdown(record: &Record) -> String {
+    let groups = groups(record);
+    let mut parts = vec![title(record), advice(&groups), legend(&groups)];
+    parts.push("![Speed against accuracy of every kernel](speed-accuracy.svg)".to_owned());
+    parts.extend([KERNELS.to_owned(), kernel_table(record, &groups)]);
+    parts.push(ACCURACY.to_owned());
+    for workload in workloads(record) {
+        let kernels = || groups.iter().flat_map(|group| &group.kernels);
+        let rows: Vec<_> = kernels().filter_map(|kernel| Some((kernel, kernel.accuracy(workload)?))).collect();
+        parts.push(format!("### Workload `{workload}`"));
+        parts.extend([wrong_answers(&rows), errors(&rows)]);
+    }
+    if !record.tracer.is_empty() {
+        parts.extend([TRACER.to_owned(), tracer_table(record)]);
+    }
+    parts.extend([METHOD.to_owned(), machine(record), sources(record), checksums(record)]);
+    parts.iter().map(|part| part.trim_end()).collect::<Vec<_>>().join("\n\n") + "\n"
+}
+
+const KERNELS: &str = "\
+## Kernels
+
+Nanoseconds per test of one ray against one primitive in one thread, median ± median absolute deviation; smaller is \
+faster, and the fastest of each family is bold. `1x1` is one ray and one primitive (scalar), `8x1` eight rays against one \
+primitive, `1x8` one ray against eight primitives. The gain is the time of `1x1` over that of `8x1`, and the scaling the \
+throughput of `8x1` with several threads over that with one. Bytes are prepared per primitive. The setup is computed once \
+per ray: its bytes (scalar), and its nanoseconds per ray, scalar / in a packet. Operations are multiplications / additions / \
+divisions of one test. Claims are held by the tests without tolerance.";
+
+const ACCURACY: &str = "\
+## Accuracy
+
+Against an oracle in exact arithmetic. Twins give the same bits, so that one row stands for every face of a kernel. Rates \
+are per million of the number behind the slash; where nothing was observed, the bracket gives the 95 % bound, three in \
+that number.
+
+- *false miss*: pairs of ray and primitive that exactly hit strictly inside, reported as misses.
+- *false hit*: pairs that exactly miss, reported as hits.
+- *leak*: rays that exactly hit a mesh, edges included, reported to hit nothing of it.
+- *double*: rays that exactly hit one triangle strictly inside and no other, reported to hit several.
+- *boundary*: rays that exactly hit an edge or a vertex, by how many hits were reported: none / one / more.
+- *ulp*: distance of `t` from the correctly rounded one, in representable numbers, over hits both agree on. The 99th \
+percentile is the one to compare; the greatest is noise.
+- *gross*: hits whose `t` is off by more than 1 %; the number given is that of strict hits that were not missed, the least \
+that there can be.
+- *u, v*: absolute error of the surface parameters; for a box, of the exit distance.";
+
+const TRACER: &str = "\
+## Tracer
+
+Million rays per second of whole scenes, median of the samples, by number of threads (`1T`: one); *ratio* is packet over \
+scalar. All modes and thread counts gave the same bits. Bytes per triangle are those of mesh, prepared triangles and \
+nodes; the build uses all threads.";
+
+const METHOD: &str = "\
+## Method and bias
+
+**What a test is.** Rays find their closest hit among a small set of primitives, as in the leaf of a tracer, with everything \
+in the first-level cache. The time per test is that of the whole, divided by rays times primitives: loading, the test, \
+keeping the closer hit by blends, and each ray's setup, spread over the primitives. Missing are the cache misses and \
+mispredicted branches of a real traversal: expect kernels to differ less in a tracer than here, and one with many prepared \
+bytes to do worse.
+
+**What is compared.** Times are medians of repeated samples, those of all kernels interleaved, with their median absolute \
+deviation (MAD). Two kernels tie where their medians differ by no more than the sum of both. Other programs may share the \
+machine, and clock rates drift: trust ratios between rows of one record, rather than absolute figures or ratios between \
+records.
+
+**What the errors are errors of.** Rays are seeded and aimed. `generic` rays go into and past a primitive of about unit size \
+from a few units away; `edge` rays go to edges, vertices, corners and planes. The rates describe these workloads: a picture \
+meets an edge far more rarely, and harder geometry (slivers, great distances) may err far more.
+
+**What ties the two together.** The scalar and the packet form of a kernel are written apart and give identical bits; the \
+checksums below, equal for all faces and thread counts, say so for the very rays that were timed.";
+
+fn title(record: &Record) -> String {
+    let quick = if record.quick { " This was a quick run, with fewer rays and samples: do not quote it." } else { "" };
+    format!(
+        "# Speed and accuracy of {} intersection kernels\n\n{}, {}, {} logical processors, {}.{quick}",
+        record.kernels.len(),
+        date(record.started_unix),
+        record.machine.cpu,
+        record.machine.processors,
+        record.machine.rustc
+    )
+}
+
+/// What to use of each group: by speed, by lost rays and by the error of `t`.
+fn advice(groups: &[Group]) -> String {
+    let header = ["kernels", "fastest in packets (8x1)", "fewest lost rays", "most accurate `t`"];
+    let mut grid = Grid::new(header.len(), header);
+    for group in groups {
+        let mut timed: Vec<(&Figures, &SpeedRow)> =
+            group.kernels.iter().filter_map(|kernel| Some((kernel, kernel.speed("8x1", 1)?))).collect();
+        timed.sort_by(|(_, a), (_, b)| a.ns_per_test.total_cmp(&b.ns_per_test));
+        let cells = [fastest(&timed), fewest_lost(&timed), most_accurate(&timed)];
+        let mut row = vec![Cell::from(group.heading())];
+        row.extend(cells.map(|cell| Cell::from(cell.unwrap_or(MISSING.to_owned()))));
+        grid.rows.push(row);
+    }
+    format!("## Which kernel\n\n{}", grid.markdown())
+}
+
+/// The kernels of a group, fastest first.
+type Timed<'a> = [(&'a Figures<'a>, &'a SpeedRow)];
+
+fn fastest(timed: &Timed) -> Option<String> {
+    let &(kernel, row) = timed.first()?;
+    let tied = |other: &SpeedRow| other.ns_per_test - row.ns_per_test <= other.ns_per_test_mad + row.ns_per_test_mad;
+    let ties = timed[1..].iter().filter(|(_, other)| tied(other)).map(|(kernel, _)| kernel.name);
+    let lost = kernel.lost.map_or(String::new(), |lost| format!(", loses {lost}"));
+    Some(format!(
+        "**`{}`** {} M/s{lost}{}",
+        kernel.name,
+        number(row.tests_per_second / 1e6, 3),
+        list("a tie with", ties)
+    ))
+}
+
+fn fewest_lost(timed: &Timed) -> Option<String> {
+    // A zero over more rays says more, but not that another zero is worse.
+    best(timed, |kernel| kernel.lost.map(|lost| lost.per_million), |kernel| kernel.lost.map(|lost| lost.to_string()))
+}
+
+fn most_accurate(timed: &Timed) -> Option<String> {
+    best(timed, |kernel| kernel.ulp().map(|ulp| ulp as f64), |kernel| Some(format!("{} ulp", count(kernel.ulp()?))))
+}
+
+/// The fastest of the kernels with the least `figure`, and its price.
+fn best(
+    timed: &Timed,
+    figure: impl Fn(&Figures) -> Option<f64>,
+    text: impl Fn(&Figures) -> Option<String>,
+) -> Option<String> {
+    let least = timed.iter().filter_map(|(kernel, _)| figure(kernel)).reduce(f64::min)?;
+    let mut equals = timed.iter().filter(|(kernel, _)| figure(kernel) == Some(least));
+    let (kernel, row) = equals.next()?;
+    let price = times(Some(row.ns_per_test / timed[0].1.ns_per_test));
+    let others = list("as good, but slower:", equals.map(|(kernel, _)| kernel.name));
+    Some(format!("**`{}`** {}, {price} the time{others}", kernel.name, text(kernel)?))
+}
+
+/// A remark on other kernels, by name while they are few.
+fn list<'a>(remark: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        0 => String::new(),
+        1..=4 => format!("; {remark} {}", names.join(", ")),
+        more => format!("; {remark} {more} others"),
+    }
+}
+
+/// Explains the figures of [`advice`].
+fn legend(groups: &[Group]) -> String {
+    let mut text =
+        "M/s: million tests of one ray against one primitive per second, in one thread. A tie: the medians differ \
+         by no more than the sum of their median absolute deviations. The time is relative to the fastest. \
+         ulp: 99th percentile of the error of `t` over generic rays, in units in the last place. `0 (< b)`: none was \
+         observed, and b is the 95 % bound. Lost:\n"
+            .to_owned();
+    for mesh in [true, false] {
+        let mut same = groups.iter().filter(|group| group.mesh == mesh);
+        if let Some(first) = same.next() {
+            let titles: Vec<_> = [first].into_iter().chain(same).map(|group| group.title.as_str()).collect();
+            text += &format!("\n- {}: {}", titles.join(", "), first.lost_means());
+        }
+    }
+    text
+}
+
+fn kernel_table(record: &Record, groups: &[Group]) -> String {
+    let threads = thread_counts(record.speed.iter().map(|row| row.threads).filter(|&threads| threads > 1));
+    let mut grid = Grid::new(1, ["kernel", "1x1 ns", "8x1 ns", "1x8 ns", "gain"]);
+    grid.header.extend(threads.iter().map(|threads| Cell::from(format!("scaling {threads}T"))));
+    grid.header.extend(["bytes", "setup bytes", "setup ns", "mul / add / div", "claims"].map(Cell::from));
+    for group in groups {
+        let least = ["1x1", "8x1", "1x8"].map(|face| {
+            let times = group.kernels.iter().filter_map(|kernel| kernel.ns(face));
+            (face, times.reduce(f64::min))
+        });
+        for kernel in &group.kernels {
+            let mut row = vec![code(&kernel.kernel.id)];
+            row.extend(least.map(|(face, least)| {
+                let time = kernel.speed(face, 1).map_or(MISSING.to_owned(), with_mad);
+                Cell::from(time).best_if(least.is_some() && kernel.ns(face) == least)
+            }));
+            row.push(Cell::from(times(kernel.gain())));
+            row.extend(threads.iter().map(|&threads| {
+                let scaling = kernel.mtests("8x1", threads).zip(kernel.mtests("8x1", 1));
+                Cell::from(times(scaling.map(|(many, one)| many / one)))
+            }));
+            let info = kernel.kernel;
+            let claims = if info.claims.is_empty() { MISSING.to_owned() } else { info.claims.join(", ") };
+            row.extend([
+                Cell::from(info.prepared_bytes.to_string()),
+                Cell::from(info.setup_bytes.to_string()),
+                Cell::from(format!("{} / {}", number(info.setup_ns, 2), number(info.setup_ns_packet, 2))),
+                Cell::from(info.operations.map(|operations| operations.to_string()).join(" / ")),
+                Cell::from(claims),
+            ]);
+            grid.rows.push(row);
+        }
+    }
+    grid.markdown()
+}
+
+fn code(id: &str) -> Cell {
+    Cell::from(format!("`{id}`"))
+}
+
+fn with_mad(row: &SpeedRow) -> String {
+    format!("{} ± {}", number(row.ns_per_test, 3), number(row.ns_per_test_mad, 1))
+}
+
+/// The workloads that occur, in the order of the record.
+fn workloads(record: &Record) -> Vec<&str> {
+    let mut workloads: Vec<&str> = Vec::new();
+    for row in &record.accuracy {
+        if !workloads.contains(&row.workload.as_str()) {
+            workloads.push(&row.workload);
+        }
+    }
+    workloads
+}
+
+fn rate(per_million: f64, of: u64) -> Cell {
+    Cell::from(Rate::new(per_million, of).map_or(MISSING.to_owned(), |rate| format!("{rate} / {}", si(of as f64, 3))))
+}
+
+fn wrong_answers(rows: &[(&Figures, &AccuracyRow)]) -> String {
+    let header = ["kernel", "rays", "tests", "false miss", "false hit", "leak", "double", "boundary"];
+    let mut grid = Grid::new(1, header);
+    grid.rows.extend(rows.iter().map(|(kernel, row)| {
+        let boundary = [row.boundary_none, row.boundary_one, row.boundary_many].map(count).join(" / ");
+        vec![
+            code(&kernel.kernel.id),
+            Cell::from(count(row.rays)),
+            Cell::from(count(row.tests)),
+            rate(row.false_miss_per_million, row.exact_hits),
+            rate(row.false_hit_per_million, row.exact_misses),
+            rate(row.leak_per_million, row.mesh_hits),
+            rate(row.double_per_million, row.single_hits),
+            Cell::from(boundary),
+        ]
+    }));
+    grid.markdown()
+}
+
+fn errors(rows: &[(&Figures, &AccuracyRow)]) -> String {
+    let header = ["kernel", "ulp median", "ulp 99 %", "ulp greatest", "gross", "u, v 99 %", "u, v greatest"];
+    let mut grid = Grid::new(1, header);
+    grid.rows.extend(rows.iter().map(|(kernel, row)| {
+        let missed = Rate::new(row.false_miss_per_million, row.exact_hits).map_or(0.0, Rate::events);
+        vec![
+            code(&kernel.kernel.id),
+            Cell::from(count(row.t_ulp_p50)),
+            Cell::from(count(row.t_ulp_p99)),
+            Cell::from(count(row.t_ulp_max)),
+            rate(row.gross_per_million, row.exact_hits.saturating_sub(missed.round() as u64)),
+            Cell::from(number(row.uv_error_p99, 2)),
+            Cell::from(number(row.uv_error_max, 2)),
+        ]
+    }));
+    grid.markdown()
+}
+
+fn tracer_table(record: &Record) -> String {
+    let threads = thread_counts(record.tracer.iter().map(|row| row.threads));
+    let mut grid = Grid::new(3, ["scene", "rays", "kernel", "triangles", "ray count", "hits"]);
+    grid.header.extend(tracer_header(&threads));
+    grid.header.extend(["build s", "bytes / triangle"].map(Cell::from));
+    for rows in tracer_rows(record) {
+        let first = rows[0];
+        let mut row = vec![Cell::from(first.scene.as_str()), Cell::from(first.rays.as_str()), code(&first.kernel)];
+        row.extend([first.triangles, first.ray_count, first.hits].map(|value| Cell::from(count(value as u64))));
+        row.extend(tracer_cells(&rows, &threads));
+        row.push(Cell::from(number(first.build_seconds, 3)));
+        row.push(Cell::from(number(first.bytes_per_triangle, 3)));
+        grid.rows.push(row);
+    }
+    grid.markdown()
+}
+
+fn machine(record: &Record) -> String {
+    let machine = &record.machine;
+    format!(
+        "## Machine and build\n\n- Processor: {}, {} logical processors\n- System: {}, target `{}`\n- Target features: {}\n\
+         - Compiler: {}\n- Measured code: {}\n- Seed {}; {}; took {} s; record layout {}",
+        machine.cpu,
+        machine.processors,
+        machine.os,
+        machine.target,
+        machine.target_features.join(", "),
+        machine.rustc,
+        machine.versions.join(", "),
+        record.seed,
+        if record.quick { "quick run" } else { "full run" },
+        number(record.seconds, 3),
+        record.schema
+    )
+}
+
+/// Ideas and sources, kernels that share both together.
+fn sources(record: &Record) -> String {
+    let mut sources: Vec<(&str, &str, Vec<String>)> = Vec::new();
+    for kernel in &record.kernels {
+        let id = format!("`{}`", kernel.id);
+        match sources.iter_mut().find(|(idea, source, _)| *idea == kernel.idea && *source == kernel.source) {
+            Some((_, _, ids)) => ids.push(id),
+            None => sources.push((&kernel.idea, &kernel.source, vec![id])),
+        }
+    }
+    let lines = sources.into_iter().map(|(idea, source, ids)| format!("- {}: {idea}. {source}.\n", ids.join(", ")));
+    format!("## Sources\n\n{}", lines.collect::<String>())
+}
+
+fn checksums(record: &Record) -> String {
+    let kernels = record.speed.iter().map(|row| (format!("`{}`", row.id), row.checksum.as_str()));
+    let tracer = record
+        .tracer
+        .iter()
+        .map(|row| (format!("{}, {} rays, `{}`", row.scene, row.rays, row.kernel), row.checksum.as_str()));
+    // Equal for all faces, modes and thread counts: one line each.
+    let mut lines: Vec<(String, &str)> = Vec::new();
+    for line in kernels.chain(tracer) {
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    let mut grid = Grid::new(2, ["hits of", "checksum of their bits"]);
+    grid.rows.extend(lines.into_iter().map(|(what, checksum)| vec![Cell::from(what), code(checksum)]));
+    format!("## Checksums\n\n{}", grid.markdown())
+}
+
+/// The UTC date of a Unix time, by Howard Hinnant's `civil_from_days`: years begin in March, so that leap days come last.
+fn date(unix: u64) -> String {
+    let days = unix / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::figures::tests::{degenerate_records, record_of, some_ids};
+
+    #[test]
+    fn every_kernel_is_in_every_table() {
+        let record = record_of(&some_ids());
+        let report = report_markdown(&record);
+        for kernel in &record.kernels {
+            // Kernels, two tables for each of two workloads, and checksums.
+            assert!(report.matches(&format!("\n| `{}` |", kernel.id)).count() == 6, "{}", kernel.id);
+        }
+        assert!(report.contains("](speed-accuracy.svg)"));
+    }
+
+    #[test]
+    fn a_zero_is_shown_as_a_bound() {
+        let report = report_markdown(&record_of(&["triangle/cramer".into()]));
+        assert!(report.contains("| 0 (< 15) / 200 k |"), "leaks over 200,000 rays");
+        assert!(report.contains("loses 0 (< 15) |"), "{report}");
+    }
+
+    #[test]
+    fn the_advice_names_ties() {
+        let mut record = record_of(&["triangle/a".into(), "triangle/b".into()]);
+        assert!(!report_markdown(&record).contains("a tie with"));
+        let times = |record: &mut Record, mad| {
+            for row in &mut record.speed {
+                row.ns_per_test = if row.id == "triangle/a" { 1.05 } else { 1.0 };
+                row.ns_per_test_mad = mad;
+            }
+        };
+        times(&mut record, 0.024);
+        assert!(!report_markdown(&record).contains("a tie with"));
+        times(&mut record, 0.026);
+        let report = report_markdown(&record);
+        assert!(report.contains("| **`b`** ") && report.contains("; a tie with `a`"));
+    }
+
+    #[test]
+    fn rows_are_as_long_as_their_headers() {
+        let report = report_markdown(&record_of(&some_ids()));
+        let mut columns = None;
+        for line in report.lines() {
+            let here = line.starts_with('|').then(|| line.matches(" | ").count());
+            assert!(here.is_none() || columns.is_none() || here == columns, "{line}");
+            columns = here;
+        }
+    }
+
+    #[test]
+    fn dates_are_civil() {
+        assert_eq!(date(0), "1970-01-01");
+        assert_eq!(date(951_782_400), "2000-02-29");
+        assert_eq!(date(1_800_000_000), "2027-01-15");
+    }
+
+    #[test]
+    fn degenerate_records_have_a_report() {
+        for record in degenerate_records() {
+            let report = report_markdown(&record);
+            assert!(!report.contains("NaN") && !report.contains(" inf"), "{report}");
+        }
+    }
+}

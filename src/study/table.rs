@@ -1,0 +1,104 @@
+//! The record as text for a terminal.
+
+use super::figures::{
+    Cell, Figures, Grid, MISSING, count, groups, optional, thread_counts, times, tracer_cells, tracer_header,
+    tracer_rows,
+};
+use super::record::Record;
+
+/// The record in at most 110 columns for IDs of the usual length; `color` adds ANSI colours: the best of its group
+/// green, lost rays red.
+pub fn terminal_table(record: &Record, color: bool) -> String {
+    let mut text = kernel_grid(record).terminal(color);
+    text += "\nns: nanoseconds per test of one ray against one primitive, one thread. Mt/s: million tests per second, 8x1.\n\
+             lost: edge-aimed rays that exactly hit, reported to miss, per million; (< b): none was, 95 % bound.\n\
+             ulp: 99th percentile of the distance of t from the correctly rounded one, generic rays.\n";
+    if !record.tracer.is_empty() {
+        text += "\n";
+        text += &tracer_grid(record).terminal(color);
+        text += "\nscalar, packet: million rays per second, by number of threads.\n";
+    }
+    text
+}
+
+fn kernel_grid(record: &Record) -> Grid {
+    let threads = thread_counts(record.speed.iter().map(|row| row.threads));
+    let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain"]);
+    grid.header.extend(threads.iter().map(|threads| Cell::from(format!("Mt/s {threads}T"))));
+    grid.header.extend(["lost", "ulp"].map(Cell::from));
+    for group in groups(record) {
+        grid.rows.push(vec![Cell::from(group.heading())]);
+        let least = |figure: fn(&Figures) -> Option<f64>| group.kernels.iter().filter_map(figure).reduce(f64::min);
+        let scalar = least(|kernel| kernel.ns("1x1"));
+        let packet = least(|kernel| kernel.ns("8x1"));
+        let ulp = group.kernels.iter().filter_map(Figures::ulp).min();
+        for kernel in &group.kernels {
+            let mut row = vec![
+                Cell::from(format!("  {}", kernel.name)),
+                Cell::from(optional(kernel.ns("1x1"), 3)).best_if(kernel.ns("1x1") == scalar),
+                Cell::from(optional(kernel.ns("8x1"), 3)).best_if(kernel.ns("8x1") == packet),
+                Cell::from(times(kernel.gain())),
+            ];
+            row.extend(threads.iter().map(|&threads| Cell::from(optional(kernel.mtests("8x1", threads), 3))));
+            row.push(
+                Cell::from(kernel.lost.map_or(MISSING.to_owned(), |lost| lost.to_string())).bad_if(kernel.loses()),
+            );
+            row.push(Cell::from(kernel.ulp().map_or(MISSING.to_owned(), count)).best_if(kernel.ulp() == ulp));
+            grid.rows.push(row);
+        }
+    }
+    grid
+}
+
+fn tracer_grid(record: &Record) -> Grid {
+    let threads = thread_counts(record.tracer.iter().map(|row| row.threads));
+    let mut grid = Grid::new(3, ["scene", "rays", "kernel"]);
+    grid.header.extend(tracer_header(&threads));
+    for rows in tracer_rows(record) {
+        let first = rows[0];
+        let mut cells = [&first.scene, &first.rays, &first.kernel].map(|text| Cell::from(text.as_str())).to_vec();
+        cells.extend(tracer_cells(&rows, &threads));
+        grid.rows.push(cells);
+    }
+    grid
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::figures::tests::{degenerate_records, record_of, some_ids};
+
+    #[test]
+    fn the_table_shows_every_kernel_in_few_columns() {
+        let record = record_of(&some_ids());
+        let plain = terminal_table(&record, false);
+        for group in groups(&record) {
+            let section = plain.lines().skip_while(|line| *line != group.heading());
+            let names: Vec<_> = section.skip(1).map(|line| line.split_whitespace().next().unwrap_or("")).collect();
+            let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name).collect();
+            assert!(names.starts_with(&expected), "{}: {names:?}", group.title);
+        }
+        assert!(plain.contains("0 (< 15)"), "a zero is shown as a bound");
+        assert!(plain.lines().all(|line| line.chars().count() <= 110), "{plain}");
+        assert!(!plain.contains('\x1b'));
+    }
+
+    #[test]
+    fn colour_changes_nothing_but_colour() {
+        let record = record_of(&some_ids());
+        let mut colored = terminal_table(&record, true);
+        assert!(colored.contains("\x1b[31m51,200"), "lost rays are red");
+        for code in ["0", "1", "31", "32"] {
+            colored = colored.replace(&format!("\x1b[{code}m"), "");
+        }
+        assert_eq!(colored, terminal_table(&record, false));
+    }
+
+    #[test]
+    fn degenerate_records_have_a_table() {
+        for record in degenerate_records() {
+            let table = terminal_table(&record, false);
+            assert!(!table.contains("NaN") && !table.contains("inf"), "{table}");
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! A pinhole camera, and the order in which its rays are traced.
+
+use glam::Vec3;
+
+use crate::geom::{Aabb, Ray};
+
+/// A pinhole camera. Rays start at the eye, `0 <= t`, and are not normalised: at `t = 1` they cross the image plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    eye: Vec3,
+    /// To the middle of the image.
+    forward: Vec3,
+    /// Half the image's width.
+    right: Vec3,
+    /// Half the image's height.
+    up: Vec3,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `look_at`, with y pointing up in the picture (z where it looks along y), the given
+    /// vertical field of view in degrees, and the aspect ratio of a `width` × `height` picture.
+    pub fn new(eye: Vec3, look_at: Vec3, vertical_fov: f32, width: u32, height: u32) -> Self {
+        let forward = (look_at - eye).normalize_or(Vec3::NEG_Z);
+        let world_up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+        let half_height = (vertical_fov.to_radians() * 0.5).tan();
+        let right = forward.cross(world_up).normalize();
+        let up = right.cross(forward);
+        Self { eye, forward, right: right * (half_height * width as f32 / height as f32), up: up * half_height }
+    }
+
+    /// A camera outside a box that has all of it in view, from the front, the right and above.
+    pub fn around(bounds: &Aabb, vertical_fov: f32, width: u32, height: u32) -> Self {
+        let radius = bounds.extent().length() * 0.5;
+        let distance = radius / (vertical_fov.to_radians() * 0.5).sin();
+        let eye = bounds.center() + Vec3::new(0.5, 0.4, 1.0).normalize() * distance;
+        Self::new(eye, bounds.center(), vertical_fov, width, height)
+    }
+
+    /// One ray through the middle of each pixel of a `width` × `height` picture, in [`block_order`].
+    pub fn rays(&self, width: u32, height: u32) -> Vec<Ray<f32>> {
+        let place = |index: u32, count: u32| (index as f32 + 0.5) * (2.0 / count as f32) - 1.0;
+        block_order(width, height)
+            .into_iter()
+            .map(|pixel| {
+                let (x, y) = (place(pixel % width, width), place(pixel / width, height));
+                Ray::new(self.eye, self.forward + self.right * x - self.up * y)
+            })
+            .collect()
+    }
+}
+
+/// The pixels of a picture, as indices `y·width + x` from the upper left, in blocks of 4 × 2, so that eight consecutive
+/// rays see about the same, and those in tiles of 32 × 32.
+pub fn block_order(width: u32, height: u32) -> Vec<u32> {
+    let mut order = Vec::with_capacity(width as usize * height as usize);
+    // At a ragged edge blocks are cut off; the packets there are filled up by the next block.
+    for_blocks((0, width), (0, height), (32, 32), &mut |tile_x, tile_y| {
+        for_blocks(tile_x, tile_y, (4, 2), &mut |xs, ys| {
+            for y in ys.0..ys.1 {
+                order.extend((xs.0..xs.1).map(|x| y * width + x));
+            }
+        });
+    });
+    order
+}
+
+/// Calls `visit` with the ranges of each block of the given size, row by row, the last ones cut off.
+fn for_blocks(xs: (u32, u32), ys: (u32, u32), size: (u32, u32), visit: &mut dyn FnMut((u32, u32), (u32, u32))) {
+    for y in (ys.0..ys.1).step_by(size.1 as usize) {
+        for x in (xs.0..xs.1).step_by(size.0 as usize) {
+            visit((x, xs.1.min(x.saturating_add(size.0))), (y, ys.1.min(y.saturating_add(size.1))));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pixel_is_visited_once() {
+        for (width, height) in [(1, 1), (4, 2), (33, 65), (100, 7)] {
+            let mut order = block_order(width, height);
+            order.sort_unstable();
+            assert_eq!(order, (0..width * height).collect::<Vec<_>>());
+        }
+        assert_eq!(block_order(64, 64)[..10], [0, 1, 2, 3, 64, 65, 66, 67, 4, 5]);
+    }
+
+    #[test]
+    fn the_picture_is_upright_and_not_mirrored() {
+        let camera = Camera::new(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 90.0, 4, 2);
+        let rays = camera.rays(4, 2);
+        // Upper left: to the left (-x), up (+y), away (-z).
+        assert!(rays[0].dir.abs_diff_eq(Vec3::new(-1.5, 0.5, -1.0), 1e-6), "{}", rays[0].dir);
+        assert!(rays[7].dir.abs_diff_eq(Vec3::new(1.5, -0.5, -1.0), 1e-6), "{}", rays[7].dir);
+    }
+}
