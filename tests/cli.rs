@@ -1,1 +1,226 @@
+//! The program as its users meet it: what it prints and writes, and that whatever is wrong gives one line and exit code 2.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use glam::Vec3;
+use raylanes::geom::{Hit, Ray};
+use raylanes::kernels::triangle::Cramer;
+use raylanes::tracer::{Mode, Scene, SceneSource, checksum, trace, write_rays};
+
+/// A folder that is removed at the end of the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("raylanes-cli-{test}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.join(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        fs::remove_dir_all(&self.0).unwrap();
+    }
+}
+
+fn raylanes(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_raylanes")).args(arguments).output().unwrap()
+}
+
+fn succeeds(arguments: &[&str]) -> String {
+    let output = raylanes(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Exit code 2, nothing on standard output, and one line on standard error that contains all of these.
+fn fails(arguments: &[&str], words: &[&str]) {
+    let output = raylanes(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
+    for word in words {
+        assert!(error.contains(word), "{arguments:?} should say {word}: {error}");
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn the_list_names_every_kernel() {
+    let list = succeeds(&["list"]);
+    for id in ["aabb/padded", "triangle/cramer", "instance/subtract_first/triangle/moller_trumbore", "conservative"] {
+        assert!(list.contains(id), "{id} is not in\n{list}");
+    }
+}
+
+#[test]
+fn wrong_names_say_what_would_be_right() {
+    fails(&["trace", "rooom"], &["rooom", "room", "terrain", "sphere", "OBJ"]);
+    fails(&["trace", "terrain:7"], &["terrain", "7"]);
+    fails(&["trace", "room:small", "--kernel", "triangle/woo"], &["triangle/woo", "triangle/cramer"]);
+    fails(&["study", "nowhere.obj", "--quick"], &["nowhere.obj"]);
+    for arguments in [
+        &["trace", "room:small", "--size", "0x5"][..],
+        &["trace", "room:small", "--size", "99999x99999"],
+        &["trace", "room:small", "--mode", "warp"],
+        &["trace", "room:small", "--repeat", "0"],
+        &["trace", "room:small", "--eye", "1,2,nan", "--look-at", "0,0,0"],
+        &["render", "room:small"],
+        &["paint"],
+    ] {
+        assert_eq!(raylanes(arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn broken_meshes_are_told_by_file_line_and_value() {
+    let folder = Folder::new("meshes");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (name, content, words) in [
+        ("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", &["nan.obj:2", "nan"][..]),
+        ("word.obj", "v 0 0 zero\n", &["word.obj:1", "zero"]),
+        ("range.obj", &format!("{triangle}f 1 2 3\nf 1 2 9\n"), &["range.obj:5", "9"]),
+        ("face.obj", &format!("{triangle}f 1 x 3\n"), &["face.obj:4", "f 1 x 3"]),
+        ("none.obj", triangle, &["none.obj", "no triangles"]),
+        ("empty.obj", "", &["empty.obj"]),
+    ] {
+        let file = folder.file(name, content);
+        fails(&["trace", text(&file)], words);
+        fails(&["render", text(&file), "-o", text(&folder.0.join("out.png"))], words);
+        assert!(!folder.0.join("out.png").exists());
+    }
+    fails(&["trace", text(&folder.0.join("missing.obj"))], &["missing.obj", "No such file"]);
+    fs::create_dir(folder.0.join("folder.obj")).unwrap();
+    fails(&["trace", text(&folder.0.join("folder.obj"))], &["folder.obj"]);
+}
+
+#[test]
+fn broken_ray_files_are_refused() {
+    let folder = Folder::new("rays");
+    let cut = folder.file("cut.rays", [0; 100]);
+    fails(&["trace", "room:small", "--rays", text(&cut)], &["cut.rays", "100"]);
+    let empty = folder.file("empty.rays", []);
+    fails(&["trace", "room:small", "--rays", text(&empty)], &["empty.rays", "no rays"]);
+    fails(&["trace", "room:small", "--rays", text(&folder.0.join("missing"))], &["missing"]);
+}
+
+#[test]
+fn hit_files_hold_the_hits_of_ray_files_in_order() {
+    let folder = Folder::new("hits");
+    let source = SceneSource::parse("room:small").unwrap();
+    let (mesh, _) = source.load().unwrap();
+    let mut rays = source.view(&mesh, 40, 30).0.rays(40, 30);
+    rays.truncate(1003);
+    rays[5].dir = Vec3::NAN;
+    rays[6] = Ray::INACTIVE;
+    let expected = trace(&Scene::<Cramer<f32>>::new(mesh), &rays, false, Mode::Scalar);
+
+    let (ray_file, hit_file) = (folder.0.join("in.rays"), folder.0.join("out.hits"));
+    write_rays(&ray_file, &rays).unwrap();
+    for (mode, threads) in [("scalar", "1"), ("packet", "2"), ("auto", "0")] {
+        let json = succeeds(
+            &[
+                &["trace", "room:small", "--rays", text(&ray_file), "--hits", text(&hit_file), "--json"][..],
+                &["--kernel", "cramer", "--mode", mode, "--threads", threads, "--repeat", "1"],
+            ]
+            .concat(),
+        );
+        let result: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(result["checksum"], format!("{:016x}", checksum(&expected)));
+        assert_eq!(result["rays"], 1003);
+        assert_eq!(result["hits"], expected.iter().filter(|hit| hit.mask).count());
+        assert_eq!(result["kernel"], "triangle/cramer");
+        for key in ["mrays_per_second", "build_seconds", "bytes_per_triangle"] {
+            assert!(result[key].as_f64().unwrap() > 0.0, "{key}: {result}");
+        }
+        assert!(result["threads"].as_u64().unwrap() >= 1 && result["mode"].is_string());
+
+        let bytes = fs::read(&hit_file).unwrap();
+        let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<_>>();
+        assert_eq!(words.as_chunks::<4>().0, expected.iter().map(Hit::to_bits).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn hit_files_of_pictures_are_row_by_row() {
+    let folder = Folder::new("rows");
+    let hit_file = folder.0.join("picture.hits");
+    // A sphere in the middle: the corners of the picture miss, its middle hits.
+    succeeds(&["trace", "sphere:small", "--size", "50x30", "--hits", text(&hit_file), "--repeat", "1"]);
+    let bytes = fs::read(&hit_file).unwrap();
+    assert_eq!(bytes.len(), 50 * 30 * 16);
+    let hit = |x: usize, y: usize| bytes[(y * 50 + x) * 16 + 12..][..4] != [0xff; 4];
+    assert!(hit(25, 15) && !hit(0, 0) && !hit(49, 0) && !hit(0, 29) && !hit(49, 29));
+    for y in 0..30 {
+        let row: Vec<_> = (0..50).map(|x| hit(x, y)).collect();
+        let edges = row.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        assert!(edges == 0 || edges == 2, "row {y} is not one run of hits: {row:?}");
+    }
+}
+
+#[test]
+fn pictures_have_the_size_that_was_asked_for() {
+    let folder = Folder::new("pictures");
+    for shade in ["lambert", "normals", "depth"] {
+        let out = folder.0.join(format!("{shade}.png"));
+        succeeds(&["render", "room:small", "--size", "37x21", "--shade", shade, "-o", text(&out)]);
+        let picture = image::open(&out).unwrap().to_rgb8();
+        assert_eq!(picture.dimensions(), (37, 21));
+        let first = picture.get_pixel(0, 0);
+        assert!(picture.pixels().any(|pixel| pixel != first), "{shade} shows nothing");
+    }
+    let same = |mode: &str, threads: &str| {
+        let out = folder.0.join("mode.png");
+        succeeds(&["render", "room:small", "--size", "37x21", "--mode", mode, "--threads", threads, "-o", text(&out)]);
+        fs::read(out).unwrap()
+    };
+    assert_eq!(same("scalar", "1"), same("packet", "2"));
+}
+
+#[test]
+fn what_cannot_be_written_is_an_error_and_leaves_nothing_behind() {
+    let folder = Folder::new("unwritable");
+    let nowhere = folder.0.join("no/such/folder/out.png");
+    fails(&["render", "room:small", "--size", "8x8", "-o", text(&nowhere)], &["out.png"]);
+    let file = folder.file("file", "kept");
+    fails(&["study", "room:small", "--quick", "--out", text(&file.join("below"))], &["below"]);
+    assert_eq!(fs::read_to_string(&file).unwrap(), "kept");
+    if Path::new("/dev/full").exists() {
+        fails(&["render", "room:small", "--size", "8x8", "-o", "/dev/full"], &["/dev/full", "No space left"]);
+        fails(&["trace", "room:small", "--size", "8x8", "--hits", "/dev/full"], &["/dev/full", "No space left"]);
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_raylanes")).arg("list").stdout(Stdio::from(full)).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8(output.stderr).unwrap().contains("No space left"));
+        assert!(Path::new("/dev/full").exists());
+    }
+    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1, "only the file that was there");
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_raylanes"))
+        .arg("list")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+}

@@ -183,7 +183,7 @@ fn materials_color_the_triangles() {
     files.write("two.mtl", b"# \xff\nnewmtl \xe9t\xe9\nillum x\nKd 0 .25 1e-1");
     let obj = format!(
         "mtllib one library.mtl\nmtllib two.mtl none.mtl\nmtllib two.mtl none.mtl\n{VERTICES}f 1 2 3\n\
-         usemtl #2\nusemtl red one\nf 1 2 4 3\nusemtl #2\nf 1 2 3\nusemtl plain\nf 1 2 3\nusemtl undefined\nf 1 2 3\n\
+         usemtl unused\nusemtl red one\nf 1 2 4 3\nusemtl #2\nf 1 2 3\nusemtl plain\nf 1 2 3\nusemtl undefined\nf 1 2 3\n\
          usemtl \u{e9}\nf 1 2 3\nusemtl\nf 1 2 3\nusemtl red one\n"
     );
     let (mesh, report) = load_obj(&files.write("x.obj", obj)).unwrap();
@@ -241,9 +241,11 @@ fn broken_material_files_are_refused() {
     fs::remove_file(files.path("x.mtl")).unwrap();
     fs::create_dir(files.path("x.mtl")).unwrap();
     assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read x.mtl: Is a directory");
+    let obj = files.write("y.obj", "mtllib y.obj/y.mtl\n");
+    assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read y.obj/y.mtl: Not a directory");
 }
 
-/// SplitMix64 (Sebastiano Vigna): enough to choose mutations.
+/// `SplitMix64` (Sebastiano Vigna): enough to choose mutations.
 struct Random(u64);
 
 impl Random {

@@ -12,7 +12,7 @@ use crate::oracle::{Exact, Truth};
 const SAMPLES_PER_TASK: u64 = 64;
 
 /// Measures a kernel on a workload. The result depends on the arguments alone, not on threads or build.
-pub(crate) fn measure<K: Kernel>(workload: Workload, rays: u64, seed: u64) -> AccuracyRow
+pub fn measure<K: Kernel>(workload: Workload, rays: u64, seed: u64) -> AccuracyRow
 where
     K::Shape: Subject,
 {

@@ -217,14 +217,19 @@ where
     const MESH: bool = S::MESH;
 
     /// The inner shape's sample, stretched, sheared, turned and moved by up to 100 units; the rays are moved along, so
-    /// that they meet what they were aimed at but for rounding.
+    /// that they meet what they were aimed at but for rounding. Half of the edge-aimed ones are moved by whole numbers,
+    /// where what met an edge exactly still does.
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
         let inner = S::sample(workload, rng);
+        let exact = workload == Workload::Edge && rng.random_bool(0.5);
         let object_to_world = loop {
-            let matrix3 = Mat3::from_cols(in_cube(rng, 1.0), in_cube(rng, 1.0), in_cube(rng, 1.0)) + Mat3::IDENTITY;
+            let columns = [0; 3].map(|_| in_cube(rng, if exact { 2.5 } else { 1.0 }));
+            let matrix3 = Mat3::from_cols(columns[0], columns[1], columns[2]) + Mat3::IDENTITY;
+            let transform = Affine3 { matrix3, translation: in_cube(rng, 100.0) };
+            let transform = if exact { rounded(transform) } else { transform };
             // Not nearly singular: that regime has a study of its own.
-            if matrix3.determinant().abs() > 0.1 {
-                break Affine3 { matrix3, translation: in_cube(rng, 100.0) };
+            if transform.matrix3.determinant().abs() > 0.1 {
+                break transform;
             }
         };
         let place = |ray: &Ray<f32>| Ray {
@@ -237,5 +242,13 @@ where
             rays: inner.rays.iter().map(place).collect(),
             shapes: inner.shapes.into_iter().map(|shape| Placed { shape, object_to_world }).collect(),
         }
+    }
+}
+
+fn rounded(Affine3 { matrix3, translation }: Affine3) -> Affine3 {
+    let Mat3 { x_axis, y_axis, z_axis } = matrix3;
+    Affine3 {
+        matrix3: Mat3::from_cols(x_axis.round(), y_axis.round(), z_axis.round()),
+        translation: translation.round(),
     }
 }

@@ -174,6 +174,7 @@ mod tests {
             }
         }
         assert_eq!(parse("terrain:1e6").mesh().len(), 1_002_528);
+        assert_eq!(parse("sphere:2048").mesh().len(), 2_048);
         assert_eq!(parse("sphere:1e7").resolution, 1119);
     }
 

@@ -244,6 +244,13 @@ mod tests {
         assert!(!has_no_area(&far));
         assert!(has_no_area(&Triangle { v0: Vec3::new(1e-40, 0.0, 0.0), ..far }));
         assert!(has_no_area(&Triangle { v2: far.v1, ..far }));
+        // Rounded once, the terms of two vertices this far apart cancel and hide that of the third.
+        let [near, twice] = [1e20, 2e20].map(|x| Vec3::new(x, x, 0.0));
+        assert!(!has_no_area(&Triangle { v0: near, v1: Vec3::X * 1e-20, v2: twice }));
+        // Three steps along a line that needs every digit.
+        let (start, step) =
+            (Vec3::new(1_048_577.0, 1.0, 1.0 / 1_048_576.0), Vec3::new(1_048_576.0, 1.0 / 1_048_576.0, 1.0));
+        assert!(has_no_area(&Triangle { v0: start, v1: start + step, v2: start + step * 2.0 }));
         // Smaller than any product of f32 coordinates.
         let tiny = Triangle { v0: Vec3::ZERO, v1: Vec3::X * 1e-45, v2: Vec3::Y * 1e-45 };
         assert!(!has_no_area(&tiny));

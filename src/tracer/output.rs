@@ -184,16 +184,26 @@ mod tests {
             assert_eq!(names(directory.path()), ["circle", "link", "target"]);
         }
 
+        /// With a pipe of its own: as root, a broken `write_atomically` would replace `/dev/null` for the whole machine.
         #[test]
-        fn devices_are_written_not_replaced() {
-            write_atomically(Path::new("/dev/null"), |out| out.write_all(b"gone")).unwrap();
-            assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
-            // Small enough to fail only when flushed.
-            if Path::new("/dev/full").exists() {
-                let error = write_atomically(Path::new("/dev/full"), |out| out.write_all(b"much")).unwrap_err();
-                assert_eq!(error.to_string(), "cannot write /dev/full: No space left on device");
-                assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
-            }
+        fn pipes_are_written_not_replaced() {
+            let directory = tempfile::tempdir().unwrap();
+            let pipe = directory.path().join("pipe");
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            let reader = std::thread::spawn({
+                let pipe = pipe.clone();
+                move || fs::read_to_string(pipe).unwrap()
+            });
+            write_atomically(&pipe, |out| out.write_all(b"content")).unwrap();
+            assert_eq!(reader.join().unwrap(), "content");
+            assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+        }
+
+        #[test]
+        fn a_full_disk_is_an_error_even_at_the_last_flush() {
+            let Ok(full) = OpenOptions::new().append(true).open("/dev/full") else { return };
+            let few_bytes = write_buffered(full, |out| out.write_all(b"few"));
+            assert_eq!(few_bytes.unwrap_err().kind(), ErrorKind::StorageFull);
         }
 
         #[cfg(target_os = "linux")]
