@@ -182,6 +182,8 @@ fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     } else {
         arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
     };
+    // Cheap errors first: the study takes its time.
+    study::make_folder(&arguments.out)?;
     let record = study::run(&study::Options { scenes, quick: arguments.quick, seed: arguments.seed })?;
     study::write(&record, &arguments.out)?;
     let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());

@@ -39,7 +39,7 @@ fn every_kernel_is_measured_and_charted() {
     let folder = std::env::temp_dir().join(format!("raylanes-study-{}", std::process::id()));
     study::write(&record, &folder).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    assert_eq!(serde_json::from_str::<Record>(&read("results.json")).unwrap(), record, "JSON keeps everything");
+    assert!(serde_json::from_str::<Record>(&read("results.json")).unwrap() == record, "JSON loses something");
     let (report, chart) = (read("report.md"), read("speed-accuracy.svg"));
     for id in &ids.0 {
         assert!(report.contains(id.as_str()), "{id} is not in the report");

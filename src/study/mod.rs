@@ -147,12 +147,20 @@ impl<S: Subject> Visitor<S> for Accuracy<'_> {
     }
 }
 
+/// Makes the folder that [`write()`] writes into, if it is not there.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|source| Error::Io { action: "create", file: folder.into(), source })
+}
+
 /// Writes `results.json`, `report.md` and `speed-accuracy.svg` into a folder, which is made if it is not there.
 ///
 /// # Errors
 /// If something cannot be written.
 pub fn write(record: &Record, folder: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(|source| Error::Io { action: "create", file: folder.into(), source })?;
+    make_folder(folder)?;
     let json = serde_json::to_string_pretty(record).expect("a record is plain data") + "\n";
     for (name, content) in [
         ("results.json", json),

@@ -32,7 +32,7 @@ mod trace;
 pub use builtin::{BuiltIn, Light};
 pub use camera::{Camera, block_order};
 pub use error::Error;
-pub use mesh::{Mesh, Part};
+pub use mesh::{Mesh, MeshError, Part};
 pub use obj::{ObjReport, load_obj};
 pub use output::write_atomically;
 pub(crate) use picture::shadow_rays;

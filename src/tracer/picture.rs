@@ -22,8 +22,8 @@ pub enum Shade {
 
 /// What is seen where nothing is hit.
 const BACKGROUND: Vec3 = Vec3::new(0.53, 0.65, 0.80);
-/// Light that reaches even the shadows.
-const AMBIENT: f32 = 0.15;
+/// Light that reaches even the shadows, brightest on what faces the eye, so that surfaces in shadow keep their shape.
+const AMBIENT: f32 = 0.25;
 /// A shadow ray starts this fraction of its length away from the surface: relative, so that no scene is too small.
 const SHADOW_START: f32 = 1e-4;
 
@@ -99,10 +99,12 @@ fn lambert<K: Kernel<Shape = Triangle>>(
             of_hit(&hits[index], |hit| {
                 let normal = normal(scene, hit);
                 let to_light = shadow_rays[index].dir.normalize_or_zero();
+                let to_eye = -rays[index].dir.normalize_or_zero();
                 // Both sides reflect, but only the side that is seen.
-                let facing = normal.dot(to_light) * -rays[index].dir.dot(normal).signum();
+                let facing = normal.dot(to_light) * to_eye.dot(normal).signum();
                 let direct = if shadowed[index].mask { 0.0 } else { facing.max(0.0) };
-                scene.mesh().color(hit.primitive) * (AMBIENT + (1.0 - AMBIENT) * direct)
+                let ambient = AMBIENT * (0.5 + 0.5 * to_eye.dot(normal).abs());
+                scene.mesh().color(hit.primitive) * (ambient + (1.0 - AMBIENT) * direct)
             })
         })
         .collect()
