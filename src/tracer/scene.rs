@@ -1,4 +1,8 @@
 //! A mesh, its prepared triangles and its tree: something that rays are intersected with.
+//!
+//! Tried and not kept: choosing near and far planes once per packet where all its lanes run through the same octant, instead
+//! of by a selection per lane. It gave 0.97 to 1.04 times the speed on closest hits and 0.75 to 0.98 times on any hits
+//! (bunny, sponza, room, terrain of 1e6 triangles; medians of three interleaved runs, Zen 4).
 
 use wide::{f32x8, u32x8};
 
