@@ -1,4 +1,4 @@
-//! Every registered kernel on the generic workload, each face: time per test of one ray against one primitive.
+//! Every registered kernel, every workload, each face: time per test of one ray against one primitive.
 //!
 //! `cargo bench --bench kernels -- triangle/` runs those whose ID contains the text.
 
@@ -9,20 +9,22 @@ use raylanes::geom::Hit;
 use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
 use raylanes::study::speed::{Bench, Face, PRIMITIVES, RAYS};
-use raylanes::study::workload::Subject;
+use raylanes::study::workload::{Subject, Workload};
 
 struct Benches<'a>(&'a mut Criterion);
 
 impl<S: Subject> Visitor<S> for Benches<'_> {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
-        let mut group = self.0.benchmark_group(K::INFO.id.to_string());
-        group.throughput(Throughput::Elements((RAYS * PRIMITIVES) as u64));
-        let bench = Bench::<K>::new(2026);
-        for face in Face::ALL {
-            let mut hits = [Hit::MISS; RAYS];
-            group.bench_function(face.name(), |timer| {
-                timer.iter(|| black_box(&bench).pass(face, black_box(&mut hits)));
-            });
+        for workload in Workload::ALL {
+            let mut group = self.0.benchmark_group(format!("{}/{}", K::INFO.id, workload.name()));
+            group.throughput(Throughput::Elements((RAYS * PRIMITIVES) as u64));
+            let bench = Bench::<K>::new(workload, 2026);
+            for face in Face::ALL {
+                let mut hits = [Hit::MISS; RAYS];
+                group.bench_function(face.name(), |timer| {
+                    timer.iter(|| black_box(&bench).pass(face, black_box(&mut hits)));
+                });
+            }
         }
     }
 }

@@ -174,9 +174,7 @@ fn note(text: &str) {
 }
 
 fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
-    if let Some(warning) = study::build_warning() {
-        note(&format!("note: {warning}"));
-    }
+    warn_of_slow_build();
     let scenes = if arguments.scenes.is_empty() {
         study::Options::default_scenes(arguments.quick)
     } else {
@@ -191,6 +189,12 @@ fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     let folder = arguments.out.display();
     writeln!(text, "\nWritten to {folder}: report.md, speed-accuracy.svg, results.json").expect("strings grow");
     Ok(text)
+}
+
+fn warn_of_slow_build() {
+    if let Some(warning) = study::build_warning() {
+        note(&format!("note: {warning}"));
+    }
 }
 
 /// A scene that is ready to be traced, but for the kernel.
@@ -266,6 +270,7 @@ struct TraceResult {
 }
 
 fn trace(arguments: &TraceArguments) -> Result<String, Error> {
+    warn_of_slow_build();
     let scene = &arguments.scene;
     // Cheap errors first: a large mesh takes its time.
     let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;

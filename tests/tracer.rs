@@ -180,6 +180,51 @@ fn the_lower_primitive_number_wins_ties() {
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
 }
 
+/// Meshes that trees stumble over: one triangle, many in one place, points, lines, sizes at the ends of the range.
+#[test]
+fn odd_meshes_have_identical_hits() {
+    let mut random = Random(11);
+    let part = || vec![Part { first_triangle: 0, color: Vec3::ONE }];
+    for scale in [1e-42, 1e-30, 1.0, 1e15, 1e30, f32::MAX] {
+        for count in [1, 2, 3, 5, 9, 100] {
+            for kind in 0..4 {
+                let mut positions = Vec::new();
+                for _ in 0..count {
+                    let [a, b, c] = [random.vec3(), random.vec3(), random.vec3()];
+                    positions.extend(match kind {
+                        0 => [a, b, c],
+                        1 => [Vec3::ZERO, Vec3::X, Vec3::Y],
+                        2 => [a; 3],
+                        _ => [Vec3::ZERO, Vec3::X * a.x, Vec3::X * b.x],
+                    });
+                }
+                positions.iter_mut().for_each(|position| *position *= scale);
+                let triangles = (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
+                let mesh = Mesh::new(positions, triangles, part()).unwrap();
+                let rays: Vec<_> = hard_rays(&mesh, 64);
+                registry::triangles(&mut TreeAgainstBruteForce { mesh: &mesh, rays: &rays });
+            }
+        }
+    }
+}
+
+/// No demands on how many rays hit.
+struct TreeAgainstBruteForce<'a> {
+    mesh: &'a Mesh,
+    rays: &'a [Ray<f32>],
+}
+
+impl Visitor<Triangle> for TreeAgainstBruteForce<'_> {
+    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+        let scene = Scene::<K>::new(self.mesh.clone());
+        let brute: Vec<_> = self.rays.iter().map(|ray| scene.closest_hit_brute_force(ray)).collect();
+        for mode in Mode::ALL {
+            let what = format!("{} triangles, {}, {}", self.mesh.len(), K::INFO.id, mode.name());
+            assert_same(&what, self.rays, &brute, &trace(&scene, self.rays, false, mode));
+        }
+    }
+}
+
 /// The kind of Embree's issue 387: rays from afar, nearly parallel to a triangle, are reported to hit it where it is not,
 /// since barycentrics and `t` are quotients of rounding errors. The rule removes what is outside the triangle's own box.
 #[test]

@@ -65,15 +65,16 @@ impl<K: Kernel> Bench<K>
 where
     K::Shape: Subject,
 {
-    /// The generic workload: each ray is aimed at one of the primitives, most of which it misses.
-    pub fn new(seed: u64) -> Self {
-        let samples = (0..PRIMITIVES as u64).map(|index| {
-            K::Shape::sample(Workload::Generic, &mut rng(seed, K::Shape::FAMILY, Workload::Generic, index))
-        });
+    /// Each ray is aimed at one of the primitives, or at its neighbours in a small mesh, and misses most others.
+    pub fn new(workload: Workload, seed: u64) -> Self {
         let (mut primitives, mut rays) = (Vec::new(), Vec::new());
-        for sample in samples {
-            primitives.push(K::prepare(&sample.shapes[0]));
-            rays.extend_from_slice(&sample.rays[..RAYS / PRIMITIVES]);
+        for index in 0.. {
+            let sample = K::Shape::sample(workload, &mut rng(seed, K::Shape::FAMILY, workload, index));
+            primitives.extend(sample.shapes.iter().map(K::prepare));
+            rays.extend_from_slice(&sample.rays[..sample.shapes.len() * RAYS / PRIMITIVES]);
+            if primitives.len() == PRIMITIVES {
+                break;
+            }
         }
         let groups = primitives.chunks_exact(8).map(|eight| K::gather(eight.try_into().expect("groups of eight")));
         let packets = rays.chunks_exact(8).map(Ray::from_slice);
@@ -244,7 +245,7 @@ impl Speed {
 
 impl<S: Subject> Visitor<S> for Speed {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
-        let bench = Bench::<K>::new(self.seed);
+        let bench = Bench::<K>::new(Workload::Generic, self.seed);
         let id = K::INFO.id.to_string();
         let [setup_ns, setup_ns_packet] =
             if size_of::<<K as Intersect<f32>>::Setup>() == 0 { [0.0; 2] } else { bench.setup_ns() };

@@ -4,6 +4,7 @@
 //! whole-triangle boxes; there are no spatial splits, since a clipped box could cull a candidate that counts
 //! (see [`crate::tracer`]).
 
+use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
@@ -33,19 +34,32 @@ pub(crate) struct Bvh {
     pub(crate) primitive_of_slot: Vec<u32>,
 }
 
-struct Bounds<'a>(&'a Mesh, u32);
+/// The box of a triangle, moved and scaled into the unit cube: obvhs computes areas in `f32`, and panics where they overflow
+/// or underflow. Only the shape of the tree comes from these boxes.
+struct UnitBox(obvhs::aabb::Aabb);
 
-impl Boundable for Bounds<'_> {
+impl Boundable for UnitBox {
     fn aabb(&self) -> obvhs::aabb::Aabb {
-        let Aabb { lo, hi } = self.0.triangle(self.1).bounds();
-        obvhs::aabb::Aabb::new(lo.into(), hi.into())
+        self.0
     }
+}
+
+fn unit_boxes(mesh: &Mesh) -> Vec<UnitBox> {
+    let Aabb { lo, hi } = mesh.bounds();
+    let (least, extent) = (lo.as_dvec3(), (hi.as_dvec3() - lo.as_dvec3()).max_element());
+    let scale = if extent > 0.0 { 1.0 / extent } else { 0.0 };
+    let place = |point: Vec3| ((point.as_dvec3() - least) * scale).as_vec3a();
+    mesh.iter()
+        .map(|triangle| {
+            let Aabb { lo, hi } = triangle.bounds();
+            UnitBox(obvhs::aabb::Aabb::new(place(lo), place(hi)))
+        })
+        .collect()
 }
 
 impl Bvh {
     /// A tree over the triangles of a mesh, which has at least one.
     pub(crate) fn build(mesh: &Mesh) -> Self {
-        let triangles: Vec<_> = (0..mesh.len() as u32).map(|primitive| Bounds(mesh, primitive)).collect();
         let params = BvhBuildParams {
             // Packets test a few triangles faster than the boxes of more nodes.
             max_prims_per_leaf: 4,
@@ -54,15 +68,18 @@ impl Bvh {
             search_depth_threshold: 0,
             ..BvhBuildParams::medium_build()
         };
-        Self::pack(&build_bvh2(&triangles, params, &mut Default::default()))
+        let mut bvh = Self::pack(&build_bvh2(&unit_boxes(mesh), params, &mut Default::default()));
+        bvh.fit(mesh);
+        bvh
     }
 
-    /// Copies the tree depth first, so that a node's first child follows it.
+    /// Copies the tree depth first, without boxes.
     fn pack(source: &Bvh2) -> Self {
-        let mut nodes = vec![Node { bounds: [empty(); 2], first: [0; 2], count: [0; 2] }];
+        let absent = Node { bounds: [slabs(Aabb::EMPTY); 2], first: [0; 2], count: [0; 2] };
+        let mut nodes = vec![absent];
         let root = &source.nodes[0];
         if root.is_leaf() {
-            nodes[0].bounds[0] = slabs(root.aabb());
+            // The second child stays an empty box, which no ray hits.
             (nodes[0].first[0], nodes[0].count[0]) = (root.first_index, root.prim_count);
         } else {
             // (our node, first of the two obvhs nodes that are its children)
@@ -70,28 +87,43 @@ impl Bvh {
             while let Some((parent, children)) = open.pop() {
                 for side in [1, 0] {
                     let child = &source.nodes[children + side];
-                    nodes[parent].bounds[side] = slabs(child.aabb());
                     nodes[parent].count[side] = child.prim_count;
                     nodes[parent].first[side] = if child.is_leaf() {
                         child.first_index
                     } else {
-                        let number = nodes.len();
-                        nodes.push(nodes[0]);
-                        open.push((number, child.first_index as usize));
-                        number as u32
+                        nodes.push(absent);
+                        open.push((nodes.len() - 1, child.first_index as usize));
+                        (nodes.len() - 1) as u32
                     };
                 }
             }
         }
         Self { nodes, primitive_of_slot: source.primitive_indices.clone() }
     }
+
+    /// Computes every box as the exact union of the boxes of the triangles below it.
+    fn fit(&mut self, mesh: &Mesh) {
+        // Children come after their parents.
+        for number in (0..self.nodes.len()).rev() {
+            for side in [0, 1] {
+                let Node { first, count, .. } = self.nodes[number];
+                let (first, count) = (first[side] as usize, count[side] as usize);
+                let bounds = if count > 0 {
+                    self.primitive_of_slot[first..first + count]
+                        .iter()
+                        .fold(Aabb::EMPTY, |bounds, &primitive| bounds.union(&mesh.triangle(primitive).bounds()))
+                } else if first > number {
+                    let [left, right] = self.nodes[first].bounds.map(|slabs| Aabb { lo: slabs.lo, hi: slabs.hi });
+                    left.union(&right)
+                } else {
+                    Aabb::EMPTY
+                };
+                self.nodes[number].bounds[side] = slabs(bounds);
+            }
+        }
+    }
 }
 
-fn slabs(bounds: &obvhs::aabb::Aabb) -> Slabs<f32> {
-    Slabs { lo: bounds.min.into(), hi: bounds.max.into() }
-}
-
-/// The box of a child that is not there: no ray hits it.
-fn empty() -> Slabs<f32> {
-    Slabs { lo: Aabb::EMPTY.lo, hi: Aabb::EMPTY.hi }
+fn slabs(Aabb { lo, hi }: Aabb) -> Slabs<f32> {
+    Slabs { lo, hi }
 }
