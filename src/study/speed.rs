@@ -126,10 +126,7 @@ where
                 keep_closer(&mut best, &group.closest_hit(&ray, &setup), numbers);
                 numbers += u32x8::splat(8);
             }
-            *hit = best
-                .lanes()
-                .into_iter()
-                .fold(Hit::MISS, |best, hit| if hit.is_closer_than(&best) { hit } else { best });
+            *hit = best.closest();
         }
     }
 
