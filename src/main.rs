@@ -70,8 +70,8 @@ struct SceneArguments {
     #[arg(long, value_enum, default_value_t = ModeArgument::Auto)]
     mode: ModeArgument,
     /// Threads; 0 for as many as there are processors.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    threads: usize,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    threads: u16,
     /// Picture size.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = parse_size)]
     size: (u32, u32),
@@ -225,7 +225,7 @@ impl SceneArguments {
             }
             _ => source.view(&mesh, width, height),
         };
-        Ok(Loaded { mesh, camera, light, pool: tracer::thread_pool(self.threads)? })
+        Ok(Loaded { mesh, camera, light, pool: tracer::thread_pool(self.threads.into())? })
     }
 
     fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {

@@ -78,6 +78,7 @@ fn wrong_names_say_what_would_be_right() {
         &["trace", "room:small", "--size", "99999x99999"],
         &["trace", "room:small", "--mode", "warp"],
         &["trace", "room:small", "--repeat", "0"],
+        &["trace", "room:small", "--threads", "1000000"],
         &["trace", "room:small", "--eye", "1,2,nan", "--look-at", "0,0,0"],
         &["render", "room:small"],
         &["paint"],

@@ -13,12 +13,19 @@ use crate::geom::{Hit, Ray};
 const RAY_BYTES: usize = 32;
 const HIT_BYTES: usize = 16;
 
+/// The most rays that are read from one file: 4 GiB of them. A device that never ends would else end in lack of memory.
+const MOST_RAYS: usize = 1 << 27;
+
 /// Reads rays: eight `f32` each, `ox oy oz t_min dx dy dz t_max`. Every value is allowed, since a ray that makes no
 /// sense misses.
 ///
 /// # Errors
-/// If the file cannot be read, ends within a ray, or holds none.
+/// If the file cannot be read, ends within a ray, holds none, or holds more than 134,217,728.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<f32>>, Error> {
+    read_at_most(MOST_RAYS, path)
+}
+
+fn read_at_most(most: usize, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
     // A piece at a time, so that a large file is never in memory twice.
     const PIECE: usize = RAY_BYTES << 15;
     let mut file = File::open(path).map_err(Error::reading(path))?;
@@ -34,6 +41,9 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray<f32>>, Error> {
             let message =
                 format!("truncated: {bytes} bytes is not a multiple of {RAY_BYTES} (ray {} is incomplete)", rays.len());
             return Err(Error::in_file(path, message));
+        }
+        if rays.len() > most {
+            return Err(Error::in_file(path, format!("more than {most} rays: trace them in parts")));
         }
         if piece.len() < PIECE {
             break;
@@ -131,6 +141,14 @@ mod tests {
         assert_eq!(bytes[..12], numbers[..12]);
         assert_eq!(bytes[12..20], [1, 2, 3, 4, 0, 0, 0x80, 0x7f]);
         assert_eq!(bytes[20..], [0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255]);
+    }
+
+    #[test]
+    fn files_without_end_are_refused() {
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        write_rays(&path, &[Ray::INACTIVE; 3]).unwrap();
+        assert_eq!(read_at_most(3, &path).unwrap().len(), 3);
+        assert!(read_at_most(2, &path).unwrap_err().to_string().contains("more than 2 rays"));
     }
 
     #[test]
