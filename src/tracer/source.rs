@@ -58,8 +58,8 @@ impl SceneSource {
         }
     }
 
-    /// The scene's own camera and light; for a file, a camera outside that has all of it in view, and a light from above
-    /// behind it.
+    /// The scene's own camera and light; for a file, a camera outside that has all of it in view, and a light from high
+    /// above behind it.
     pub fn view(&self, mesh: &Mesh, width: u32, height: u32) -> (Camera, Light) {
         match self {
             Self::BuiltIn { scene, .. } => {
@@ -67,7 +67,7 @@ impl SceneSource {
                 (Camera::new(eye, look_at, vertical_fov, width, height), scene.light())
             }
             Self::Obj(_) => {
-                (Camera::around(&mesh.bounds(), 40.0, width, height), Light::Directional(Vec3::new(0.6, 1.0, 0.5)))
+                (Camera::around(&mesh.bounds(), 40.0, width, height), Light::Directional(Vec3::new(0.3, 1.0, 0.25)))
             }
         }
     }
