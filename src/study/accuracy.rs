@@ -164,6 +164,7 @@ impl Tally {
             leak_per_million: per_million(self.leaks, self.mesh_hits),
             single_hits: self.single_hits,
             double_per_million: per_million(self.doubles, self.single_hits),
+            agreed_hits: agreed,
             t_ulp_p50: ulps(0.5),
             t_ulp_p99: ulps(0.99),
             t_ulp_max: ulps(1.0),
@@ -222,6 +223,6 @@ mod tests {
         assert_eq!((row.boundary_none, row.boundary_one, row.boundary_many), (1, 1, 1));
         assert_eq!((row.mesh_hits, row.leak_per_million), (5, 4e5));
         assert_eq!((row.single_hits, row.double_per_million), (2, 5e5));
-        assert_eq!((row.t_ulp_max, row.uv_error_max), (0, 0.25));
+        assert_eq!((row.agreed_hits, row.t_ulp_max, row.uv_error_max), (4, 0, 0.25));
     }
 }

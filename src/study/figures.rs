@@ -466,6 +466,7 @@ pub(super) mod tests {
                 leak_per_million: lost,
                 single_hits: if edge && mesh { rays / 4 } else { 0 },
                 double_per_million: 0.0,
+                agreed_hits: 45_000,
                 t_ulp_p50: 0,
                 t_ulp_p99: [2, 4, 0, 44_000, 2][i % 5],
                 t_ulp_max: 1 << 20,
@@ -502,7 +503,7 @@ pub(super) mod tests {
                 "id": id, "workload": workload, "rays": 0, "tests": 0, "exact_hits": 0, "exact_misses": 0,
                 "false_miss_per_million": 0.0, "false_hit_per_million": 0.0, "boundary_none": 0, "boundary_one": 0,
                 "boundary_many": 0, "mesh_hits": 0, "leak_per_million": 0.0, "single_hits": 0,
-                "double_per_million": 0.0, "t_ulp_p50": 0, "t_ulp_p99": 0, "t_ulp_max": 0,
+                "double_per_million": 0.0, "agreed_hits": 0, "t_ulp_p50": 0, "t_ulp_p99": 0, "t_ulp_max": 0,
                 "gross_per_million": 0.0, "uv_error_p99": 0.0, "uv_error_max": 0.0,
             }))
             .unwrap();

@@ -128,7 +128,10 @@ pub struct AccuracyRow {
     pub single_hits: u64,
     /// Of those, reported to hit two or more, per million.
     pub double_per_million: f64,
-    /// Distance of `t` from the correctly rounded one, in representable numbers, over hits both agree on: median.
+    /// Pairs that hit both exactly and as reported, save those whose `t` is clipped to the start of the ray's interval and
+    /// so exact; the base of the errors below.
+    pub agreed_hits: u64,
+    /// Distance of `t` from the correctly rounded one, in representable numbers: median.
     pub t_ulp_p50: u64,
     /// 99th percentile.
     pub t_ulp_p99: u64,

@@ -50,8 +50,7 @@ that number.
 - *boundary*: rays that exactly hit an edge or a vertex, by how many hits were reported: none / one / more.
 - *ulp*: distance of `t` from the correctly rounded one, in representable numbers, over hits both agree on. The 99th \
 percentile is the one to compare; the greatest is noise.
-- *gross*: hits whose `t` is off by more than 1 %; the number given is that of strict hits that were not missed, the least \
-that there can be.
+- *gross*: hits that both agree on whose `t` is off by more than 1 %.
 - *u, v*: absolute error of the surface parameters; for a box, of the exit distance.";
 
 const TRACER: &str = "\
@@ -259,13 +258,12 @@ fn errors(rows: &[(&Figures, &AccuracyRow)]) -> String {
     let header = ["kernel", "ulp median", "ulp 99 %", "ulp greatest", "gross", "u, v 99 %", "u, v greatest"];
     let mut grid = Grid::new(1, header);
     grid.rows.extend(rows.iter().map(|(kernel, row)| {
-        let missed = Rate::new(row.false_miss_per_million, row.exact_hits).map_or(0.0, Rate::events);
         vec![
             code(&kernel.kernel.id),
             Cell::from(count(row.t_ulp_p50)),
             Cell::from(count(row.t_ulp_p99)),
             Cell::from(count(row.t_ulp_max)),
-            rate(row.gross_per_million, row.exact_hits.saturating_sub(missed.round() as u64)),
+            rate(row.gross_per_million, row.agreed_hits),
             Cell::from(number(row.uv_error_p99, 2)),
             Cell::from(number(row.uv_error_max, 2)),
         ]
