@@ -36,6 +36,9 @@ enum Command {
     List,
 }
 
+const DEFAULT_OUT: &str = "reports/latest";
+const DEFAULT_SEED: u64 = 2026;
+
 #[derive(Args)]
 struct StudyArguments {
     /// Scenes for the tracer's table [default: room, terrain:1e5 and sphere].
@@ -45,16 +48,16 @@ struct StudyArguments {
     #[arg(long)]
     quick: bool,
     /// Where results go.
-    #[arg(long, value_name = "DIR", default_value = "reports/latest")]
+    #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
     out: PathBuf,
     /// What all random inputs derive from.
-    #[arg(long, default_value_t = 2026)]
+    #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
 }
 
 impl Default for StudyArguments {
     fn default() -> Self {
-        Self { scenes: Vec::new(), quick: false, out: "reports/latest".into(), seed: 2026 }
+        Self { scenes: Vec::new(), quick: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED }
     }
 }
 

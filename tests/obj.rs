@@ -1,5 +1,7 @@
 //! OBJ and MTL files: what is read, what is refused and with which words, and that nothing makes the loader panic.
 
+mod random;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -7,6 +9,8 @@ use glam::Vec3;
 use raylanes::geom::Aabb;
 use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
 use tempfile::TempDir;
+
+use random::Random;
 
 /// A directory for one test's files.
 struct Files(TempDir);
@@ -243,19 +247,6 @@ fn broken_material_files_are_refused() {
     assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read x.mtl: Is a directory");
     let obj = files.write("y.obj", "mtllib y.obj/y.mtl\n");
     assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read y.obj/y.mtl: Not a directory");
-}
-
-/// `SplitMix64` (Sebastiano Vigna): enough to choose mutations.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) % bound as u64) as usize
-    }
 }
 
 /// Replaces, inserts, removes or repeats a few bytes, with a liking for those that mean something.

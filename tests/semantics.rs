@@ -100,12 +100,11 @@ fn ray(origin: Vec3, dir: Vec3) -> Ray<f32> {
 }
 
 /// Slab cases of the literature. A wrong outcome is pinned too, so that an improvement shows.
-#[test]
-fn sharp_boxes() {
+fn box_cases() -> Vec<Case<Aabb>> {
     let unit = Aabb { lo: Vec3::ZERO, hi: Vec3::ONE };
     let flat = Aabb { lo: v(0.5, 0.0, 0.0), hi: v(0.5, 1.0, 1.0) };
     // Truth, then division, reciprocal, sign_selected, padded.
-    let cases = [
+    vec![
         Case { name: "on the lower plane", shape: unit, ray: ray(v(0.0, 0.5, -1.0), Vec3::Z), expected: "+..++" },
         Case {
             name: "on the lower plane, negative zero",
@@ -131,23 +130,17 @@ fn sharp_boxes() {
         Case { name: "starts on the exit", shape: unit, ray: ray(v(0.5, 0.5, 1.0), Vec3::Z), expected: "+++++" },
         Case { name: "empty", shape: Aabb::EMPTY, ray: ray(v(0.5, 0.5, -1.0), Vec3::Z), expected: "....." },
         Case { name: "flat, within its plane", shape: flat, ray: ray(v(0.5, 0.5, -1.0), Vec3::Z), expected: "+.+++" },
-    ];
-    for case in &cases {
-        let mut outcomes = Outcomes { case, got: String::new() };
-        registry::boxes(&mut outcomes);
-        assert_eq!(outcomes.got, case.expected[1..], "{}", case.name);
-    }
+    ]
 }
 
 /// Triangle cases of the literature.
-#[test]
-fn sharp_triangles() {
+fn triangle_cases() -> Vec<Case<Triangle>> {
     let corner = |s: f32| Triangle { v0: Vec3::ZERO, v1: v(s, 0.0, 0.0), v2: v(0.0, s, 0.0) };
     let legs = |s: f32| ray(v(s / 4.0, s / 4.0, -s), v(0.0, 0.0, s));
     let thin = |y: f32| v(-1_113.454_6, y, -56.243_19);
     let fma = ray(v(-6.75, -9.75, 8.0), v(0.875, 1.25, -1.0));
     // Truth, then cramer, moller_trumbore.
-    let cases = [
+    vec![
         Case {
             name: "epsilons lose small triangles",
             shape: corner(2e-4),
@@ -179,23 +172,55 @@ fn sharp_triangles() {
             expected: "++.",
         },
         Case { name: "leg 1e15: determinants overflow", shape: corner(1e15), ray: legs(1e15), expected: "+.." },
-    ];
-    for case in &cases {
+    ]
+}
+
+#[test]
+fn sharp_boxes() {
+    for case in &box_cases() {
+        let mut outcomes = Outcomes { case, got: String::new() };
+        registry::boxes(&mut outcomes);
+        assert_eq!(outcomes.got, case.expected[1..], "{}", case.name);
+    }
+}
+
+#[test]
+fn sharp_triangles() {
+    for case in &triangle_cases() {
         let mut outcomes = Outcomes { case, got: String::new() };
         registry::triangles(&mut outcomes);
         assert_eq!(outcomes.got, case.expected[1..], "{}", case.name);
     }
 }
 
-/// The truths above are what the oracle says, where there is one.
+/// The first letter of each case is what the oracle says.
 #[cfg(feature = "study")]
-#[test]
-fn the_edge_case_is_exactly_on_the_edge() {
+mod truth {
+    use super::*;
     use raylanes::oracle::Exact;
 
-    let triangle = Triangle { v0: v(-5.0, -5.0, 0.0), v1: v(5.0, -5.0, 0.0), v2: v(5.0, 5.0, 0.0) };
-    let truth = triangle.truth(&ray(v(-6.75, -9.75, 8.0), v(0.875, 1.25, -1.0)));
-    assert!(truth.hit && truth.boundary && truth.t == 8.0, "{truth:?}");
+    fn check<S: Aimed + Exact>(cases: &[Case<S>]) {
+        for case in cases {
+            let truth = if case.shape.truth(&case.ray).hit { "+" } else { "." };
+            assert_eq!(truth, &case.expected[..1], "{}", case.name);
+        }
+    }
+
+    #[test]
+    fn sharp_cases_state_the_truth() {
+        check(&box_cases());
+        check(&triangle_cases());
+    }
+
+    #[test]
+    fn the_edge_case_is_exactly_on_the_edge() {
+        let edges: Vec<_> = triangle_cases().into_iter().filter(|case| case.name.contains("shared edge")).collect();
+        assert_eq!(edges.len(), 2);
+        for Case { shape, ray, .. } in edges {
+            let truth = shape.truth(&ray);
+            assert!(truth.hit && truth.boundary && truth.t == 8.0, "{truth:?}");
+        }
+    }
 }
 
 mod instances {

@@ -1,36 +1,23 @@
 //! The box rule: every way of tracing a ray gives the same bits. Trying all triangles, single rays, packets, coherent and
 //! shuffled order, one thread and two, closest hit and any hit.
 
+mod random;
+
 use glam::Vec3;
 use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{Mesh, Mode, Part, Scene, SceneSource, load_obj, thread_pool, trace};
 
-/// `SplitMix64` (Steele, Lea, Flood 2014): the tests need reproducible, not good, randomness.
-struct Random(u64);
+use random::Random;
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
+/// In 0..1.
+fn unit(random: &mut Random) -> f32 {
+    random.below(1 << 24) as f32 / (1u64 << 24) as f32
+}
 
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end as u64) as usize
-    }
-
-    /// In 0..1.
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn vec3(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
+fn vec3(random: &mut Random) -> Vec3 {
+    Vec3::new(unit(random), unit(random), unit(random)) * 2.0 - 1.0
 }
 
 /// Rays that make trouble: at vertices and edges, where triangles tie; along axes, within the planes of boxes; with every
@@ -44,13 +31,13 @@ fn hard_rays(mesh: &Mesh, count: usize) -> Vec<Ray<f32>> {
             let target = match random.below(4) {
                 0 => v0,
                 1 => (v1 + v2) * 0.5,
-                2 => v0 + (v1 - v0) * random.unit(),
-                _ => v0 + (v1 - v0) * (0.5 * random.unit()) + (v2 - v0) * (0.5 * random.unit()),
+                2 => v0 + (v1 - v0) * unit(&mut random),
+                _ => v0 + (v1 - v0) * (0.5 * unit(&mut random)) + (v2 - v0) * (0.5 * unit(&mut random)),
             };
             let mut dir = match random.below(4) {
                 0 => Vec3::AXES[random.below(3)] * if random.below(2) == 0 { size } else { -size },
                 1 => v1 - target,
-                _ => random.vec3() * size,
+                _ => vec3(&mut random) * size,
             };
             if random.below(4) == 0 {
                 dir[random.below(3)] = -0.0;
@@ -190,7 +177,7 @@ fn odd_meshes_have_identical_hits() {
             for kind in 0..4 {
                 let mut positions = Vec::new();
                 for _ in 0..count {
-                    let [a, b, c] = [random.vec3(), random.vec3(), random.vec3()];
+                    let [a, b, c] = [vec3(&mut random), vec3(&mut random), vec3(&mut random)];
                     positions.extend(match kind {
                         0 => [a, b, c],
                         1 => [Vec3::ZERO, Vec3::X, Vec3::Y],
@@ -232,11 +219,11 @@ fn hits_stay_in_their_own_box() {
     let mut random = Random(3);
     let (mut removed, mut kept) = (0, 0);
     for _ in 0..200_000 {
-        let triangle = Triangle { v0: random.vec3(), v1: random.vec3(), v2: random.vec3() };
+        let triangle = Triangle { v0: vec3(&mut random), v1: vec3(&mut random), v2: vec3(&mut random) };
         // Through a point of the plane beside the triangle, or in it, from afar and almost within the plane.
         let [e1, e2] = [triangle.v1 - triangle.v0, triangle.v2 - triangle.v0];
-        let target = triangle.v0 + e1 * (3.0 * random.unit() - 1.0) + e2 * (3.0 * random.unit() - 1.0);
-        let dir = e1 * random.unit() + e2 * random.unit() + random.vec3() * 1e-4;
+        let target = triangle.v0 + e1 * (3.0 * unit(&mut random) - 1.0) + e2 * (3.0 * unit(&mut random) - 1.0);
+        let dir = e1 * unit(&mut random) + e2 * unit(&mut random) + vec3(&mut random) * 1e-4;
         let ray = Ray::new(target - dir * 1e4, dir);
         let corners = triangle.vertices().to_vec();
         let part = Part { first_triangle: 0, color: Vec3::ONE };

@@ -105,6 +105,18 @@ impl Hit<f32x8> {
         best
     }
 
+    /// Takes over these lanes, which are hits, from `other`.
+    #[inline(always)]
+    pub fn replace(&mut self, lanes: Mask8, other: &Self) {
+        *self = Self {
+            mask: self.mask | lanes,
+            t: lanes.select(other.t, self.t),
+            u: lanes.select(other.u, self.u),
+            v: lanes.select(other.v, self.v),
+            primitive: lanes.select_u32(other.primitive, self.primitive),
+        };
+    }
+
     /// All eight lanes.
     #[inline]
     pub fn lanes(&self) -> [Hit<f32>; 8] {

@@ -20,8 +20,6 @@ mod sealed {
 
 /// What a ray, a hit or a prepared primitive is made of: `f32` (one) or `f32x8` (eight, as structure of arrays).
 pub trait Lanes: sealed::Sealed + Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// How many lanes: 1 or 8.
-    const COUNT: usize;
     /// Three-dimensional vector: [`glam::Vec3`] or [`Vec3x8`].
     type Vec3: Copy + Debug + PartialEq + Send + Sync + 'static;
     /// Outcome of a comparison: `bool` or [`Mask8`].
@@ -36,7 +34,6 @@ pub trait Lanes: sealed::Sealed + Copy + Debug + PartialEq + Send + Sync + 'stat
 }
 
 impl Lanes for f32 {
-    const COUNT: usize = 1;
     type Vec3 = Vec3;
     type Mask = bool;
     type Index = u32;
@@ -53,7 +50,6 @@ impl Lanes for f32 {
 }
 
 impl Lanes for f32x8 {
-    const COUNT: usize = 8;
     type Vec3 = Vec3x8;
     type Mask = Mask8;
     type Index = u32x8;
@@ -130,16 +126,6 @@ impl Mask8 {
     #[inline(always)]
     pub fn select_u32(self, if_set: u32x8, if_clear: u32x8) -> u32x8 {
         f32x8::to_bits(self.0.select(f32x8::from_bits(if_set), f32x8::from_bits(if_clear)))
-    }
-
-    /// [`Mask8::select`] for each component.
-    #[inline(always)]
-    pub fn select_vec3(self, if_set: Vec3x8, if_clear: Vec3x8) -> Vec3x8 {
-        Vec3x8 {
-            x: self.select(if_set.x, if_clear.x),
-            y: self.select(if_set.y, if_clear.y),
-            z: self.select(if_set.z, if_clear.z),
-        }
     }
 }
 

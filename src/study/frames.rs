@@ -36,15 +36,31 @@ pub(crate) fn measure(
     let mut rows = Vec::new();
     for set in ray_sets(source, &scene, size) {
         progress.note(&format!("{}: {} rays", source.name(), set.name));
-        rows.extend(measure_set(&scene, &set, samples, thread_counts)?.into_iter().map(|row| TracerRow {
+        rows.extend(time(&scene, &set, samples, thread_counts)?.into_iter().map(|job| TracerRow {
             scene: source.name(),
             triangles: scene.mesh().len(),
+            rays: set.name.into(),
+            ray_count: set.rays.len(),
+            hits: job.hits.iter().filter(|hit| hit.mask).count(),
+            mode: job.mode.name().into(),
+            kernel: <MollerTrumbore<f32> as Kernel>::INFO.id.to_string(),
+            threads: job.pool.current_num_threads(),
+            mrays_per_second: median(&job.mrays),
+            mrays_per_second_mad: mad(&job.mrays),
             build_seconds,
             bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
-            ..row
+            checksum: format!("{:016x}", checksum(&job.hits)),
         }));
     }
     Ok(rows)
+}
+
+/// A mode on a number of threads, with its rates and the hits of its last run.
+struct Job {
+    mode: Mode,
+    pool: rayon::ThreadPool,
+    mrays: Vec<f64>,
+    hits: Vec<Hit<f32>>,
 }
 
 fn ray_sets<K: Kernel<Shape = Triangle>>(source: &SceneSource, scene: &Scene<K>, size: u32) -> [RaySet; 2] {
@@ -63,19 +79,12 @@ fn ray_sets<K: Kernel<Shape = Triangle>>(source: &SceneSource, scene: &Scene<K>,
     ]
 }
 
-/// Rows with everything but what describes the scene.
-fn measure_set<K: Kernel<Shape = Triangle>>(
+fn time<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     set: &RaySet,
     samples: usize,
     thread_counts: &[usize],
-) -> Result<Vec<TracerRow>, Error> {
-    struct Job {
-        mode: Mode,
-        pool: rayon::ThreadPool,
-        mrays: Vec<f64>,
-        hits: Vec<Hit<f32>>,
-    }
+) -> Result<Vec<Job>, Error> {
     let mut jobs = Vec::new();
     for mode in Mode::ALL {
         for &threads in thread_counts {
@@ -94,20 +103,5 @@ fn measure_set<K: Kernel<Shape = Triangle>>(
             return Err(Error::Disagreement(format!("{} rays, mode {}", set.name, odd.mode.name())));
         }
     }
-    let row = |job: Job| TracerRow {
-        scene: String::new(),
-        triangles: 0,
-        rays: set.name.into(),
-        ray_count: set.rays.len(),
-        hits: job.hits.iter().filter(|hit| hit.mask).count(),
-        mode: job.mode.name().into(),
-        kernel: K::INFO.id.to_string(),
-        threads: job.pool.current_num_threads(),
-        mrays_per_second: median(&job.mrays),
-        mrays_per_second_mad: mad(&job.mrays),
-        build_seconds: 0.0,
-        bytes_per_triangle: 0.0,
-        checksum: format!("{:016x}", checksum(&job.hits)),
-    };
-    Ok(jobs.into_iter().map(row).collect())
+    Ok(jobs)
 }

@@ -109,8 +109,8 @@ where
             let setup = <K as Intersect<f32x8>>::setup(packet);
             let mut best = Hit::<f32x8>::miss();
             for (number, primitive) in self.primitives.iter().enumerate() {
-                let hit = primitive.closest_hit(packet, &setup);
-                keep_closer(&mut best, &hit, u32x8::splat(number as u32));
+                let hit = Hit { primitive: u32x8::splat(number as u32), ..primitive.closest_hit(packet, &setup) };
+                best.replace(lt8(hit.t, best.t), &hit);
             }
             hits.copy_from_slice(&best.lanes());
         }
@@ -123,7 +123,8 @@ where
             let mut best = Hit::<f32x8>::miss();
             let mut numbers = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             for group in &self.groups {
-                keep_closer(&mut best, &group.closest_hit(&ray, &setup), numbers);
+                let hit = Hit { primitive: numbers, ..group.closest_hit(&ray, &setup) };
+                best.replace(lt8(hit.t, best.t), &hit);
                 numbers += u32x8::splat(8);
             }
             *hit = best.closest();
@@ -154,18 +155,6 @@ where
             }),
         ]
     }
-}
-
-#[inline(always)]
-fn keep_closer(best: &mut Hit<f32x8>, hit: &Hit<f32x8>, numbers: u32x8) {
-    let closer = lt8(hit.t, best.t);
-    *best = Hit {
-        mask: best.mask | closer,
-        t: closer.select(hit.t, best.t),
-        u: closer.select(hit.u, best.u),
-        v: closer.select(hit.v, best.v),
-        primitive: closer.select_u32(numbers, best.primitive),
-    };
 }
 
 /// One face of one kernel, ready to be timed.

@@ -75,7 +75,7 @@ impl Bvh {
 
     /// Copies the tree depth first, without boxes.
     fn pack(source: &Bvh2) -> Self {
-        let absent = Node { bounds: [slabs(Aabb::EMPTY); 2], first: [0; 2], count: [0; 2] };
+        let absent = Node { bounds: [Aabb::EMPTY.into(); 2], first: [0; 2], count: [0; 2] };
         let mut nodes = vec![absent];
         let root = &source.nodes[0];
         if root.is_leaf() {
@@ -118,12 +118,8 @@ impl Bvh {
                 } else {
                     Aabb::EMPTY
                 };
-                self.nodes[number].bounds[side] = slabs(bounds);
+                self.nodes[number].bounds[side] = bounds.into();
             }
         }
     }
-}
-
-fn slabs(Aabb { lo, hi }: Aabb) -> Slabs<f32> {
-    Slabs { lo, hi }
 }

@@ -98,16 +98,18 @@ impl Mesh {
     /// If there is no such triangle.
     #[inline]
     pub fn triangle(&self, primitive: u32) -> Triangle {
-        let [v0, v1, v2] = self.triangles[primitive as usize].map(|index| self.positions[index as usize]);
+        self.with_vertices(self.triangles[primitive as usize])
+    }
+
+    #[inline]
+    fn with_vertices(&self, indices: [u32; 3]) -> Triangle {
+        let [v0, v1, v2] = indices.map(|index| self.positions[index as usize]);
         Triangle { v0, v1, v2 }
     }
 
     /// All triangles, in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Triangle> + '_ {
-        self.triangles.iter().map(|triangle| {
-            let [v0, v1, v2] = triangle.map(|index| self.positions[index as usize]);
-            Triangle { v0, v1, v2 }
-        })
+        self.triangles.iter().map(|&indices| self.with_vertices(indices))
     }
 
     /// Colour of triangle number `primitive`.

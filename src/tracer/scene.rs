@@ -107,8 +107,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     #[inline(always)]
     fn own_box(&self, slot: usize) -> (u32, Slabs<f32>) {
         let primitive = self.bvh.primitive_of_slot[slot];
-        let bounds = self.mesh.triangle(primitive).bounds();
-        (primitive, Slabs { lo: bounds.lo, hi: bounds.hi })
+        (primitive, self.mesh.triangle(primitive).bounds().into())
     }
 }
 
@@ -268,13 +267,7 @@ fn keep_closer(best: &mut Hit<f32x8>, candidate: &Hit<f32x8>) {
                     candidate.primitive.to_array()[lane] < best.primitive.to_array()[lane]
                 })));
     }
-    *best = Hit {
-        mask: best.mask | closer,
-        t: closer.select(candidate.t, best.t),
-        u: closer.select(candidate.u, best.u),
-        v: closer.select(candidate.v, best.v),
-        primitive: closer.select_u32(candidate.primitive, best.primitive),
-    };
+    best.replace(closer, candidate);
 }
 
 /// A child of a node: another node, or the slots of a leaf.

@@ -35,10 +35,15 @@ pub struct Slabs<P: Lanes> {
     pub hi: P::Vec3,
 }
 
+impl From<Aabb> for Slabs<f32> {
+    fn from(Aabb { lo, hi }: Aabb) -> Self {
+        Self { lo, hi }
+    }
+}
+
 impl Slabs<f32> {
     fn prepare(shape: &Aabb) -> Self {
-        let Aabb { lo, hi } = shape.or_empty();
-        Self { lo, hi }
+        shape.or_empty().into()
     }
 }
 
