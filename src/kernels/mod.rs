@@ -112,17 +112,33 @@ pub struct Operations {
     pub div: u32,
 }
 
-/// A promise that a kernel makes and the tests enforce.
+/// A promise that a kernel makes. The tests enforce it without tolerance, and the study looks for a violation by every
+/// kernel of the family that does not make it: a promise that everyone could make is no information.
+///
+/// The promises about meshes are about triangles that all face the ray the same way (at a silhouette a ray may pass
+/// between two faces), and none holds where an intermediate product overflows or is subnormal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Claim {
-    /// Never misses what is exactly hit, as long as no intermediate product overflows or is subnormal.
+    /// Of two triangles that share an edge, a ray through that edge hits at least one.
+    EdgeWatertight,
+    /// Of the triangles around a vertex, a ray through that vertex hits at least one.
+    VertexWatertight,
+    /// A ray through a mesh hits exactly one of its triangles, also where it exactly meets an edge or a vertex.
+    SingleHit,
+    /// A box: never misses what is exactly hit.
     Conservative,
 }
 
 impl Claim {
+    /// Every claim.
+    pub const ALL: [Self; 4] = [Self::EdgeWatertight, Self::VertexWatertight, Self::SingleHit, Self::Conservative];
+
     /// One word, as printed in tables and records.
     pub fn name(self) -> &'static str {
         match self {
+            Self::EdgeWatertight => "edge-watertight",
+            Self::VertexWatertight => "vertex-watertight",
+            Self::SingleHit => "single-hit",
             Self::Conservative => "conservative",
         }
     }

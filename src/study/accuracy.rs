@@ -151,6 +151,7 @@ impl Tally {
         AccuracyRow {
             id: id.into(),
             workload: workload.name().into(),
+            severity: None,
             rays: self.rays,
             tests: self.tests,
             exact_hits: self.strict_hits,

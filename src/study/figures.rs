@@ -389,8 +389,13 @@ pub(super) mod tests {
                 versions: ["raylanes 0.1.0", "glam 0.34.2"].map(String::from).to_vec(),
             },
             kernels: Vec::new(),
+            absent: Vec::new(),
             speed: Vec::new(),
+            regimes: Vec::new(),
             accuracy: Vec::new(),
+            claims: Vec::new(),
+            maps: Vec::new(),
+            map_cells: Vec::new(),
             tracer: Vec::new(),
         };
         for (i, id) in ids.iter().enumerate() {
@@ -453,6 +458,7 @@ pub(super) mod tests {
             record.accuracy.push(AccuracyRow {
                 id: id.into(),
                 workload: workload.into(),
+                severity: None,
                 rays,
                 tests: 8 * rays,
                 exact_hits: rays / 4,
@@ -500,7 +506,7 @@ pub(super) mod tests {
         for row in &mut zeros.accuracy {
             let (id, workload) = (row.id.clone(), row.workload.clone());
             *row = serde_json::from_value(serde_json::json!({
-                "id": id, "workload": workload, "rays": 0, "tests": 0, "exact_hits": 0, "exact_misses": 0,
+                "id": id, "workload": workload, "severity": null, "rays": 0, "tests": 0, "exact_hits": 0, "exact_misses": 0,
                 "false_miss_per_million": 0.0, "false_hit_per_million": 0.0, "boundary_none": 0, "boundary_one": 0,
                 "boundary_many": 0, "mesh_hits": 0, "leak_per_million": 0.0, "single_hits": 0,
                 "double_per_million": 0.0, "agreed_hits": 0, "t_ulp_p50": 0, "t_ulp_p99": 0, "t_ulp_max": 0,

@@ -122,8 +122,13 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         seed: options.seed,
         machine: machine::describe(),
         kernels: speed.kernels,
+        absent: Vec::new(),
         speed: speed_rows,
+        regimes: Vec::new(),
         accuracy: accuracy_rows,
+        claims: Vec::new(),
+        maps: Vec::new(),
+        map_cells: Vec::new(),
         tracer,
     })
 }

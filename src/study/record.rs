@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout below; raised when a field changes its meaning.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// One study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,10 +22,21 @@ pub struct Record {
     pub machine: Machine,
     /// Every registered kernel.
     pub kernels: Vec<KernelRow>,
+    /// Kernels that exist, but not in this build.
+    pub absent: Vec<AbsentRow>,
     /// Kernel × face × threads: throughput.
     pub speed: Vec<SpeedRow>,
-    /// Kernel × workload: errors against the oracle. Both twins give the same bits, so there is one row for both.
+    /// The regimes: what is made harder, and in which steps.
+    pub regimes: Vec<RegimeRow>,
+    /// Kernel × workload, and kernel × regime × severity: errors against the oracle. Both twins give the same bits, so
+    /// there is one row for both.
     pub accuracy: Vec<AccuracyRow>,
+    /// Kernel × claim of its family: whether it was seen to be broken.
+    pub claims: Vec<ClaimRow>,
+    /// The failure maps: two severities at once.
+    pub maps: Vec<MapRow>,
+    /// Kernel × map: the errors.
+    pub map_cells: Vec<MapCells>,
     /// Scene × rays × mode × threads.
     pub tracer: Vec<TracerRow>,
 }
@@ -74,6 +85,78 @@ pub struct KernelRow {
     pub claims: Vec<String>,
 }
 
+/// A kernel that this build has not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AbsentRow {
+    /// Its ID.
+    pub id: String,
+    /// What it lacks.
+    pub reason: String,
+}
+
+/// A workload that gets harder step by step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RegimeRow {
+    /// `triangle` or `aabb`: the family of kernels that it is for.
+    pub family: String,
+    /// Name, unique within the family: `grazing`.
+    pub name: String,
+    /// What the rays are and what to look for, in one sentence.
+    pub about: String,
+    /// What the severities measure, with its unit, as the title of an axis.
+    pub axis: String,
+    /// The severities, from easy to hard. They are positive, but for a zero that may come last.
+    pub steps: Vec<f64>,
+    /// Whether its rays are aimed at meshes, in which they can leak.
+    pub mesh: bool,
+}
+
+/// Whether a kernel keeps, or would keep, a promise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClaimRow {
+    /// Kernel ID.
+    pub id: String,
+    /// Name of the claim.
+    pub claim: String,
+    /// Whether the kernel makes it.
+    pub claimed: bool,
+    /// Rays (pairs of ray and box) that broke it.
+    pub violations: u64,
+    /// Rays (pairs) that could have.
+    pub of: u64,
+}
+
+/// A failure map: a workload with two severities.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapRow {
+    /// `triangle` or `aabb`.
+    pub family: String,
+    /// Name, unique within the family: `offset-aspect`.
+    pub name: String,
+    /// Title of the horizontal axis, with its unit.
+    pub x_axis: String,
+    /// Severities along it, from left to right: positive, in equal ratios.
+    pub x: Vec<f64>,
+    /// Title of the vertical axis, with its unit.
+    pub y_axis: String,
+    /// Severities along it, from the bottom up: positive, in equal ratios.
+    pub y: Vec<f64>,
+    /// Rays per cell, all of which exactly hit strictly inside.
+    pub rays: u64,
+}
+
+/// A kernel's errors over a failure map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapCells {
+    /// Kernel ID.
+    pub id: String,
+    /// Name of the map.
+    pub map: String,
+    /// Row by row from the bottom up, in each from left to right: the error of `t`, in ulp, that 99 % of the rays do not
+    /// exceed, a miss counting as an infinite error. `null` where more than 1 % of the rays miss.
+    pub t_ulp_p99: Vec<Option<u64>>,
+}
+
 /// Throughput of one face of a kernel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedRow {
@@ -100,8 +183,10 @@ pub struct SpeedRow {
 pub struct AccuracyRow {
     /// Kernel ID.
     pub id: String,
-    /// `generic` or `edge`.
+    /// `generic`, `edge`, or the name of a regime of the kernel's family.
     pub workload: String,
+    /// The regime's severity; `null` for the other workloads.
+    pub severity: Option<f64>,
     /// Rays, each against one primitive, or against a small mesh in edge-aimed triangle workloads.
     pub rays: u64,
     /// Pairs of ray and primitive that were compared with the oracle.
