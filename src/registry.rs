@@ -33,14 +33,38 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
 
 /// An instance of each kernel.
 pub fn instances(visitor: &mut (impl Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>)) {
-    struct Instances<'a, V>(&'a mut V);
-    impl<S: Shape, V: Visitor<Placed<S>>> Visitor<S> for Instances<'_, V> {
-        fn visit<K: Kernel<Shape = S>>(&mut self) {
-            self.0.visit::<Instance<K>>();
-        }
+    Placed::<Aabb>::visit_kernels(visitor);
+    Placed::<Triangle>::visit_kernels(visitor);
+}
+
+/// A shape that there are kernels for.
+pub trait Registered: Shape {
+    /// Visits them in the order of the list.
+    fn visit_kernels(visitor: &mut impl Visitor<Self>);
+}
+
+impl Registered for Aabb {
+    fn visit_kernels(visitor: &mut impl Visitor<Self>) {
+        boxes(visitor);
     }
-    boxes(&mut Instances(visitor));
-    triangles(&mut Instances(visitor));
+}
+
+impl Registered for Triangle {
+    fn visit_kernels(visitor: &mut impl Visitor<Self>) {
+        triangles(visitor);
+    }
+}
+
+impl<S: Registered> Registered for Placed<S> {
+    fn visit_kernels(visitor: &mut impl Visitor<Self>) {
+        struct Instances<'a, V>(&'a mut V);
+        impl<S: Shape, V: Visitor<Placed<S>>> Visitor<S> for Instances<'_, V> {
+            fn visit<K: Kernel<Shape = S>>(&mut self) {
+                self.0.visit::<Instance<K>>();
+            }
+        }
+        S::visit_kernels(&mut Instances(visitor));
+    }
 }
 
 /// Everything.

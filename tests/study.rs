@@ -2,13 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use raylanes::geom::Shape;
-use raylanes::kernels::{Claim, Kernel};
+use raylanes::geom::{Aabb, Shape, Triangle};
+use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
-use raylanes::study::record::Record;
-use raylanes::study::workload::{Subject, Workload};
-use raylanes::study::{self, Options, accuracy};
-use raylanes::tracer::{SceneSource, thread_pool};
+use raylanes::study::accuracy::Kernels;
+use raylanes::study::claims;
+use raylanes::study::record::{AccuracyRow, Record};
+use raylanes::study::workload::{Regime, Subject, Workload};
+use raylanes::study::{self, Options};
+use raylanes::tracer::SceneSource;
 
 #[derive(Default)]
 struct Ids(BTreeSet<String>);
@@ -16,6 +18,19 @@ struct Ids(BTreeSet<String>);
 impl<S: Shape> Visitor<S> for Ids {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
         self.0.insert(K::INFO.id.to_string());
+    }
+}
+
+/// How many steps and maps the kernels of this ID go through.
+fn extent_of(id: &str) -> [usize; 2] {
+    fn of<S: Subject>() -> [usize; 2] {
+        [S::REGIMES.iter().map(|regime| regime.steps.len()).sum(), S::MAPS.len()]
+    }
+    match id.split('/').next().unwrap() {
+        "triangle" => of::<Triangle>(),
+        "aabb" => of::<Aabb>(),
+        "instance" => [0; 2],
+        other => panic!("which regimes does the family {other} have?"),
     }
 }
 
@@ -27,12 +42,32 @@ fn every_kernel_is_measured_and_charted() {
     registry::all(&mut ids);
     for id in &ids.0 {
         assert_eq!(record.kernels.iter().filter(|row| row.id == *id).count(), 1, "{id}");
-        // Three faces, one and two threads; two workloads.
+        // Three faces, one and two threads; two workloads without steps.
+        let [steps, maps] = extent_of(id);
         assert_eq!(record.speed.iter().filter(|row| row.id == *id).count(), 6, "{id}");
-        assert_eq!(record.accuracy.iter().filter(|row| row.id == *id).count(), 2, "{id}");
+        assert_eq!(record.accuracy.iter().filter(|row| row.id == *id).count(), 2 + steps, "{id}");
+        assert_eq!(record.map_cells.iter().filter(|row| row.id == *id).count(), maps, "{id}");
+    }
+    for regime in &record.regimes {
+        let rows =
+            record.accuracy.iter().filter(|row| row.workload == regime.name && row.id.starts_with(&regime.family));
+        let steps: Vec<f64> = rows.clone().map(|row| row.severity.unwrap()).collect();
+        let kernels = ids.0.iter().filter(|id| id.starts_with(&regime.family)).count();
+        assert_eq!(steps.len(), regime.steps.len() * kernels, "{}", regime.name);
+        assert!(regime.steps.len() >= 6 && regime.steps.iter().all(|step| steps.contains(step)), "{}", regime.name);
+        assert!(rows.clone().all(|row| row.rays >= 1_000), "{}", regime.name);
+        assert_eq!(rows.clone().any(|row| row.mesh_hits > 0), regime.mesh, "{}", regime.name);
+    }
+    for map in &record.maps {
+        for cells in record.map_cells.iter().filter(|cells| cells.map == map.name && cells.id.starts_with(&map.family))
+        {
+            assert_eq!(cells.t_ulp_p99.len(), map.x.len() * map.y.len());
+            assert!(cells.t_ulp_p99[0].is_some(), "{} fails in the easiest cell of {}", cells.id, map.name);
+        }
     }
     assert!(record.speed.iter().all(|row| row.ns_per_test > 0.0 && row.ns_per_test.is_finite()));
-    assert!(record.accuracy.iter().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
+    let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
+    assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
     // Primary and shadow rays, two modes, one and two threads.
     assert_eq!(record.tracer.len(), 8);
 
@@ -48,44 +83,33 @@ fn every_kernel_is_measured_and_charted() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Holds kernels to their claims, and looks for one that breaks each, without which a claim would say nothing.
-#[derive(Default)]
-struct Claims {
-    kept: u32,
-    broken_by_others: u32,
-}
-
-impl<S: Subject> Visitor<S> for Claims {
-    fn visit<K: Kernel<Shape = S>>(&mut self) {
-        let missed: f64 = Workload::ALL
-            .into_iter()
-            .map(|workload| accuracy::measure::<K>(workload, 100_000, 7))
-            .map(|row| row.false_miss_per_million + row.boundary_none as f64)
-            .sum();
-        if K::INFO.claims.contains(&Claim::Conservative) {
-            assert_eq!(missed, 0.0, "{} claims never to miss", K::INFO.id);
-            self.kept += 1;
-        } else {
-            self.broken_by_others += u32::from(missed > 0.0);
-        }
+/// Holds the kernels of a shape to their claims, and sees every other kernel break them: a promise that everyone could
+/// make would be no information.
+fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
+    let kernels = Kernels::<S>::registered();
+    let mut rows: Vec<AccuracyRow> =
+        Workload::ALL.into_iter().flat_map(|workload| kernels.on_workload(workload, 100_000, 7)).collect();
+    for regime in S::REGIMES.iter().filter(|regime| regimes(regime)) {
+        rows.extend(regime.steps.iter().flat_map(|&severity| kernels.on_regime(regime, severity, 100_000, 7)));
+    }
+    let judged = claims::judged(&kernels, &rows);
+    for row in &judged {
+        println!("{row:?}");
+        assert!(row.of > 100_000, "{row:?}");
+        assert_eq!(row.claimed, row.violations == 0, "{} {}", row.id, row.claim);
+    }
+    let claims: BTreeSet<&str> = judged.iter().map(|row| row.claim.as_str()).collect();
+    for claim in claims {
+        assert!(judged.iter().any(|row| row.claim == claim && row.claimed), "nobody claims {claim}");
     }
 }
 
 #[test]
-fn claims_are_kept_without_tolerance() {
-    let mut claims = Claims::default();
-    registry::boxes(&mut claims);
-    assert_eq!((claims.kept, claims.broken_by_others), (1, 3));
+fn triangles_keep_what_they_claim() {
+    hold_to_claims::<Triangle>(|regime| regime.mesh);
 }
 
 #[test]
-fn accuracy_depends_on_nothing_but_the_seed() {
-    use raylanes::kernels::triangle::MollerTrumbore;
-
-    let measure = |threads, seed| {
-        let pool = thread_pool(threads).unwrap();
-        pool.install(|| accuracy::measure::<MollerTrumbore<f32>>(Workload::Edge, 20_000, seed))
-    };
-    assert_eq!(measure(1, 3), measure(2, 3));
-    assert_ne!(measure(1, 3), measure(1, 4));
+fn boxes_keep_what_they_claim() {
+    hold_to_claims::<Aabb>(|_| true);
 }

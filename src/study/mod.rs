@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 mod chart;
+pub mod claims;
 mod figures;
 mod frames;
 mod machine;
@@ -12,15 +13,16 @@ mod stats;
 mod table;
 pub mod workload;
 
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::kernels::Kernel;
-use crate::registry::{self, Visitor};
+use crate::geom::{Aabb, Placed, Triangle};
 use crate::tracer::{Error, SceneSource, write_atomically};
-use record::{AccuracyRow, Record, SCHEMA};
+use accuracy::Kernels;
+use record::{AccuracyRow, ClaimRow, MapCells, MapRow, Record, RegimeRow, SCHEMA};
 use workload::{Subject, Workload};
 
 pub use machine::build_warning;
@@ -97,14 +99,19 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         speed.measure(samples, sample_seconds, &thread_counts, &|share| progress.reach(share * SPEED_DONE))?;
 
     let mut accuracy = Accuracy {
-        rays: if options.quick { 2_000 } else { 200_000 },
+        quick: options.quick,
         seed: options.seed,
-        kernels: speed.kernels.len(),
-        rows: Vec::new(),
         progress: &progress,
+        rows: Vec::new(),
+        regimes: Vec::new(),
+        claims: Vec::new(),
+        maps: Vec::new(),
+        map_cells: Vec::new(),
     };
-    registry::all(&mut accuracy);
-    let accuracy_rows = accuracy.rows;
+    accuracy.of::<Triangle>(0.0..0.55);
+    accuracy.of::<Aabb>(0.55..0.8);
+    accuracy.of::<Placed<Triangle>>(0.8..0.9);
+    accuracy.of::<Placed<Aabb>>(0.9..1.0);
 
     let mut tracer = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (512, 9) };
@@ -124,30 +131,75 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         kernels: speed.kernels,
         absent: Vec::new(),
         speed: speed_rows,
-        regimes: Vec::new(),
-        accuracy: accuracy_rows,
-        claims: Vec::new(),
-        maps: Vec::new(),
-        map_cells: Vec::new(),
+        regimes: accuracy.regimes,
+        accuracy: accuracy.rows,
+        claims: accuracy.claims,
+        maps: accuracy.maps,
+        map_cells: accuracy.map_cells,
         tracer,
     })
 }
 
+/// What there is to be measured of the accuracy of all kernels of all shapes.
 struct Accuracy<'a> {
-    rays: u64,
+    quick: bool,
     seed: u64,
-    kernels: usize,
-    rows: Vec<AccuracyRow>,
     progress: &'a Progress,
+    rows: Vec<AccuracyRow>,
+    regimes: Vec<RegimeRow>,
+    claims: Vec<ClaimRow>,
+    maps: Vec<MapRow>,
+    map_cells: Vec<MapCells>,
 }
 
-impl<S: Subject> Visitor<S> for Accuracy<'_> {
-    fn visit<K: Kernel<Shape = S>>(&mut self) {
+impl Accuracy<'_> {
+    /// Measures the kernels of a shape; `share` is this part's place in the whole.
+    fn of<S: Subject>(&mut self, share: Range<f64>) {
+        let kernels = Kernels::<S>::registered();
+        let steps: usize = S::REGIMES.iter().map(|regime| regime.steps.len()).sum();
+        let parts = (Workload::ALL.len() + steps + S::MAPS.len()) as f64;
+        let mut done = 0.0;
+        let mut begin = |name: &str| {
+            self.progress.note(&format!("{}: accuracy, {name}", S::FAMILY));
+            self.progress.reach(
+                SPEED_DONE + (ACCURACY_DONE - SPEED_DONE) * (share.start + (share.end - share.start) * done / parts),
+            );
+            done += 1.0;
+        };
         for workload in Workload::ALL {
-            self.progress.note(&format!("{}: accuracy, {} rays", K::INFO.id, workload.name()));
-            self.rows.push(accuracy::measure::<K>(workload, self.rays, self.seed));
-            let share = self.rows.len() as f64 / (self.kernels * Workload::ALL.len()) as f64;
-            self.progress.reach(SPEED_DONE + (ACCURACY_DONE - SPEED_DONE) * share);
+            begin(workload.name());
+            let rays = if self.quick { 2_000 } else { 200_000 };
+            self.rows.extend(kernels.on_workload(workload, rays, self.seed));
+        }
+        for regime in S::REGIMES {
+            for &severity in regime.steps {
+                begin(regime.name);
+                let rays = if self.quick { 1_024 } else { 100_000 };
+                self.rows.extend(kernels.on_regime(regime, severity, rays, self.seed));
+            }
+            self.regimes.push(RegimeRow {
+                family: S::FAMILY.into(),
+                name: regime.name.into(),
+                about: regime.about.into(),
+                axis: regime.axis.into(),
+                steps: regime.steps.to_vec(),
+                mesh: regime.mesh,
+            });
+        }
+        self.claims.extend(claims::judged(&kernels, &self.rows));
+        for map in S::MAPS {
+            begin(map.name);
+            let rays = if self.quick { 64 } else { 512 };
+            self.map_cells.extend(kernels.on_map(map, rays, self.seed));
+            self.maps.push(MapRow {
+                family: S::FAMILY.into(),
+                name: map.name.into(),
+                x_axis: map.x.title.into(),
+                x: map.x.steps(),
+                y_axis: map.y.title.into(),
+                y: map.y.steps(),
+                rays,
+            });
         }
     }
 }

@@ -69,7 +69,7 @@ where
     pub fn new(workload: Workload, seed: u64) -> Self {
         let (mut primitives, mut rays) = (Vec::new(), Vec::new());
         for index in 0.. {
-            let sample = K::Shape::sample(workload, &mut rng(seed, K::Shape::FAMILY, workload, index));
+            let sample = K::Shape::sample(workload, &mut rng(seed, K::Shape::FAMILY, workload.name(), &[], index));
             primitives.extend(sample.shapes.iter().map(K::prepare));
             rays.extend_from_slice(&sample.rays[..sample.shapes.len() * RAYS / PRIMITIVES]);
             if primitives.len() == PRIMITIVES {

@@ -1,0 +1,247 @@
+//! Boxes.
+
+use glam::{Mat3, Vec3};
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::{Axis, FailureMap, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at, ray_from};
+use crate::geom::{Aabb, Ray};
+
+/// How near to an edge or a corner rays come, as a share of the box's size.
+const GAPS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0];
+
+impl Subject for Aabb {
+    const MESH: bool = false;
+
+    const REGIMES: &'static [Regime<Self>] = &[
+        Regime {
+            name: "box_edge",
+            about: "Rays that cut off an edge: they enter and leave within a short distance of each other.",
+            axis: "distance to the edge / size of the box",
+            steps: GAPS,
+            mesh: false,
+            sample: |gap, rng| Sample::of(generic_box(rng), rng, |shape, rng| cutting_ray(shape, 2, gap, rng)),
+        },
+        Regime {
+            name: "box_corner",
+            about: "Rays that cut off a corner: they enter and leave within a short distance of each other.",
+            axis: "distance to the corner / size of the box",
+            steps: GAPS,
+            mesh: false,
+            sample: |gap, rng| Sample::of(generic_box(rng), rng, |shape, rng| cutting_ray(shape, 3, gap, rng)),
+        },
+        Regime {
+            name: "parallel",
+            about: "Rays that start in the plane of a face and run along it: where the slope's inverse overflows, the distance \
+                    of that plane is 0 times infinity.",
+            axis: "slope against the face",
+            steps: &[1e-1, 1e-3, 1e-5, 1e-10, 1e-20, 1e-30, 1e-38, 1e-40, 0.0],
+            mesh: false,
+            sample: |slope, rng| Sample::of(generic_box(rng), rng, |shape, rng| parallel_ray(shape, slope, rng)),
+        },
+        Regime {
+            name: "flat",
+            about: "Boxes that get thinner, as around an axis-parallel triangle; a quarter of the rays run along within them.",
+            axis: "thickness / size of the box",
+            steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
+            mesh: false,
+            sample: |thickness, rng| {
+                let mut shape = generic_box(rng);
+                let axis = rng.random_range(0..3);
+                shape.hi[axis] = shape.lo[axis] + thickness * (shape.hi[axis] - shape.lo[axis]);
+                Sample::of(shape, rng, |shape, rng| {
+                    let target = inside(shape, rng);
+                    let mut ray = ray_at(target, rng);
+                    if rng.random_bool(0.25) {
+                        (ray.origin[axis], ray.dir[axis]) = (target[axis].clamp(shape.lo[axis], shape.hi[axis]), 0.0);
+                    }
+                    ray
+                })
+            },
+        },
+        Regime {
+            name: "inverted",
+            about: "Boxes that are empty, because on one axis the least plane lies beyond the greatest: every hit is false.",
+            axis: "least beyond greatest / size of the box",
+            steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            mesh: false,
+            sample: |depth, rng| {
+                let mut shape = generic_box(rng);
+                let axis = rng.random_range(0..3);
+                shape.hi[axis] = shape.lo[axis] - depth * (shape.hi[axis] - shape.lo[axis]);
+                Sample::of(shape, rng, |shape, rng| ray_at(inside(shape, rng), rng))
+            },
+        },
+        Regime {
+            name: "offset",
+            about: "Box and ray together, ever farther from the world's origin.",
+            axis: "distance to the world's origin / size of the box",
+            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
+            mesh: false,
+            sample: |offset, rng| {
+                let shape = moved(generic_box(rng), direction(rng) * offset);
+                Sample::of(shape, rng, |shape, rng| ray_at(inside_or_past(shape, rng), rng))
+            },
+        },
+        Regime {
+            name: "distance",
+            about: "Rays that come from ever farther away.",
+            axis: "distance of the ray's origin / size of the box",
+            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
+            mesh: false,
+            sample: |distance, rng| {
+                Sample::of(generic_box(rng), rng, |shape, rng| {
+                    let target = inside_or_past(shape, rng);
+                    ray_from(target + direction(rng) * distance, target, rng)
+                })
+            },
+        },
+        Regime {
+            name: "scale",
+            about: "Box and ray together, from tiny to huge.",
+            axis: "size of box and distance",
+            steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
+            mesh: false,
+            sample: |scale, rng| {
+                let mut sample = Self::sample(Workload::Generic, rng);
+                for shape in &mut sample.shapes {
+                    *shape = Aabb { lo: shape.lo * scale, hi: shape.hi * scale };
+                }
+                for ray in &mut sample.rays {
+                    (ray.origin, ray.dir) = (ray.origin * scale, ray.dir * scale);
+                }
+                sample
+            },
+        },
+    ];
+
+    const MAPS: &'static [FailureMap<Self>] = &[
+        FailureMap {
+            name: "offset-aspect",
+            x: Axis { title: "distance to the world's origin / size", start: 1.0, quarters: 24 },
+            y: Axis { title: "size / thickness", start: 1.0, quarters: 24 },
+            sample: |[offset, aspect], rng| {
+                let mut shape = generic_box(rng);
+                let axis = rng.random_range(0..3);
+                shape.hi[axis] = shape.lo[axis] + (shape.hi[axis] - shape.lo[axis]) / aspect;
+                let shape = moved(shape, direction(rng) * offset);
+                Sample::of(shape, rng, |shape, rng| ray_at(inside(shape, rng), rng))
+            },
+        },
+        FailureMap {
+            name: "distance-angle",
+            x: Axis { title: "distance of the ray's origin / size", start: 1.0, quarters: 20 },
+            y: Axis { title: "angle to the face, rad", start: 1.0, quarters: -24 },
+            sample: |[distance, angle], rng| {
+                Sample::of(generic_box(rng), rng, |shape, rng| {
+                    let axis = rng.random_range(0..3);
+                    let mut target = inside(shape, rng);
+                    target[axis] = if rng.random() { shape.lo[axis] } else { shape.hi[axis] };
+                    let units = [Vec3::X, Vec3::Y, Vec3::Z];
+                    let plane = Mat3::from_cols(units[(axis + 1) % 3], units[(axis + 2) % 3], units[axis]);
+                    grazing_ray(target, plane, angle, distance, rng)
+                })
+            },
+        },
+    ];
+
+    fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
+        match workload {
+            Workload::Generic => {
+                let (a, b) = (in_cube(rng, 1.0), in_cube(rng, 1.0));
+                let shape = Aabb { lo: a.min(b), hi: a.max(b) };
+                Sample::of(shape, rng, |shape, rng| ray_at(inside_or_past(shape, rng), rng))
+            }
+            Workload::Edge => {
+                // On whole numbers half of the time, so that rays meet edges and corners exactly.
+                let exact = rng.random_bool(0.5);
+                let lo = in_cube(rng, 8.0);
+                let extent = in_cube(rng, 4.0).abs() + Vec3::splat(0.5);
+                let shape = if exact {
+                    Aabb { lo: lo.round(), hi: lo.round() + extent.ceil() }
+                } else {
+                    Aabb { lo, hi: lo + extent }
+                };
+                Sample::of(shape, rng, |shape, rng| edge_ray(shape, exact, rng))
+            }
+        }
+    }
+}
+
+/// A box of about unit size near the world's origin.
+fn generic_box(rng: &mut Pcg64) -> Aabb {
+    let lo = in_cube(rng, 1.0);
+    Aabb { lo, hi: lo + Vec3::from([0; 3].map(|_| rng.random_range(0.25..1.0))) }
+}
+
+fn moved(shape: Aabb, by: Vec3) -> Aabb {
+    Aabb { lo: shape.lo + by, hi: shape.hi + by }
+}
+
+fn inside(shape: &Aabb, rng: &mut Pcg64) -> Vec3 {
+    shape.center() + shape.extent() * in_cube(rng, 0.5)
+}
+
+fn inside_or_past(shape: &Aabb, rng: &mut Pcg64) -> Vec3 {
+    let reach = if rng.random_bool(0.6) { 0.5 } else { 1.5 };
+    shape.center() + shape.extent() * in_cube(rng, reach)
+}
+
+/// A ray whose part within the box is about `gap` long, near an edge (`fixed = 2`) or a corner (`fixed = 3`).
+fn cutting_ray(shape: &Aabb, fixed: usize, gap: f32, rng: &mut Pcg64) -> Ray<f32> {
+    let first = rng.random_range(0..3);
+    let mut target = inside(shape, rng);
+    let mut outward = Vec3::ZERO;
+    for step in 0..fixed {
+        let axis = (first + step) % 3;
+        let inset = gap * shape.extent()[axis] * rng.random_range(0.1..1.0);
+        (target[axis], outward[axis]) =
+            if rng.random() { (shape.lo[axis] + inset, -1.0) } else { (shape.hi[axis] - inset, 1.0) };
+    }
+    // It enters through one of the planes that meet there and leaves through another, unless it goes through the box.
+    let dir = loop {
+        let dir = direction(rng);
+        let slopes: Vec<f32> =
+            (0..3).filter(|&axis| outward[axis] != 0.0).map(|axis| dir[axis] * outward[axis]).collect();
+        if slopes.iter().any(|&slope| slope > 0.1) && slopes.iter().any(|&slope| slope < -0.1) {
+            break dir;
+        }
+    };
+    ray_from(target - dir * rng.random_range(0.5..4.0), target, rng)
+}
+
+/// A ray that starts exactly in the plane of a face, and runs into the face, rising or falling with this slope.
+fn parallel_ray(shape: &Aabb, slope: f32, rng: &mut Pcg64) -> Ray<f32> {
+    let axis = rng.random_range(0..3);
+    let mut ray = ray_at(inside(shape, rng), rng);
+    ray.origin[axis] = if rng.random() { shape.lo[axis] } else { shape.hi[axis] };
+    ray.dir[axis] = if rng.random() { slope } else { -slope };
+    ray
+}
+
+/// A ray at an edge, at a corner, or along a face or an edge of a box.
+fn edge_ray(shape: &Aabb, exact: bool, rng: &mut Pcg64) -> Ray<f32> {
+    let eighth = |rng: &mut Pcg64| rng.random_range(-16..=16) as f32 / 8.0;
+    let fixed = rng.random_range(1..=3);
+    let first = rng.random_range(0..3);
+    let mut target = shape.center();
+    for step in 0..3 {
+        let axis = (first + step) % 3;
+        target[axis] = if step < fixed {
+            if rng.random() { shape.lo[axis] } else { shape.hi[axis] }
+        } else {
+            let along = if exact { rng.random_range(1..8) as f32 / 8.0 } else { rng.random() };
+            shape.lo[axis] + (shape.hi[axis] - shape.lo[axis]) * along
+        };
+    }
+    let mut dir = if exact { Vec3::new(eighth(rng), eighth(rng), eighth(rng)) } else { in_cube(rng, 2.0) };
+    // In a plane of the box the ray stays there; zeros have both signs.
+    if fixed == 1 || rng.random_bool(0.25) {
+        dir[first] = if rng.random() { 0.0 } else { -0.0 };
+    }
+    if dir == Vec3::ZERO {
+        dir[(first + 1) % 3] = 1.0;
+    }
+    let steps = if exact { rng.random_range(1..=16) as f32 } else { rng.random_range(1.0..16.0) };
+    Ray::new(target - dir * steps, dir)
+}

@@ -1,0 +1,458 @@
+//! Triangles, alone and in meshes.
+//!
+//! All triangles of a mesh face its rays the same way. At a silhouette, where a front side meets a back side, a ray may
+//! pass beside both, and what it then reports is no leak.
+
+use glam::{Mat3, Vec3};
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::{
+    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray, in_cube,
+    ray_at, ray_from, steep,
+};
+use crate::geom::{Ray, Triangle};
+
+impl Subject for Triangle {
+    const MESH: bool = true;
+
+    const REGIMES: &'static [Regime<Self>] = &[
+        Regime {
+            name: "grazing",
+            about: "Rays that make an ever smaller angle with the triangle: the determinant is a small difference of large \
+                    numbers.",
+            axis: "angle between ray and triangle, rad",
+            steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            mesh: false,
+            sample: |angle, rng| {
+                let plane = frame(rng);
+                Sample::of(regular(plane, 1.0, rng), rng, |shape, rng| {
+                    let distance = rng.random_range(0.5..4.0);
+                    grazing_ray(inside_or_past(shape, rng), plane, angle, distance, rng)
+                })
+            },
+        },
+        Regime {
+            name: "sliver",
+            about: "Triangles that get ever thinner: normal and determinant cancel.",
+            axis: "length / height of the triangle",
+            steps: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
+            mesh: false,
+            sample: |aspect, rng| {
+                let plane = frame(rng);
+                Sample::of(sliver(plane, aspect, rng), rng, |shape, rng| {
+                    steep_ray(inside_or_past(shape, rng), plane, rng)
+                })
+            },
+        },
+        Regime {
+            name: "offset",
+            about: "Triangle and ray together, ever farther from the world's origin: what is prepared in world coordinates \
+                    loses its digits.",
+            axis: "distance to the world's origin / size of the triangle",
+            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
+            mesh: false,
+            sample: |offset, rng| {
+                let plane = frame(rng);
+                let shape = moved(&regular(plane, 1.0, rng), direction(rng) * offset);
+                Sample::of(shape, rng, |shape, rng| steep_ray(inside_or_past(shape, rng), plane, rng))
+            },
+        },
+        Regime {
+            name: "distance",
+            about: "Rays that come from ever farther away: the difference of vertex and origin swallows the triangle.",
+            axis: "distance of the ray's origin / size of the triangle",
+            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
+            mesh: false,
+            sample: |distance, rng| {
+                let plane = frame(rng);
+                Sample::of(regular(plane, 1.0, rng), rng, |shape, rng| {
+                    let target = inside_or_past(shape, rng);
+                    ray_from(target + steep(plane, rng) * distance, target, rng)
+                })
+            },
+        },
+        Regime {
+            name: "ground",
+            about: "Rays near the middle of an ever larger triangle: what is computed from its far vertices loses the near hit.",
+            axis: "size of the triangle / distance of the hit",
+            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
+            mesh: false,
+            sample: |size, rng| {
+                let plane = frame(rng);
+                let middle = in_cube(rng, 1.0);
+                let shape = moved(&regular(plane, size, rng), middle);
+                Sample::of(shape, rng, |_, rng| {
+                    let [x, y]: [f32; 2] = [0; 2].map(|_| rng.random_range(-1.0..1.0));
+                    steep_ray(middle + plane.x_axis * x + plane.y_axis * y, plane, rng)
+                })
+            },
+        },
+        Regime {
+            name: "scale",
+            about: "Triangle and ray together, from tiny to huge: determinants under- and overflow.",
+            axis: "size of triangle and distance",
+            steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
+            mesh: false,
+            sample: |scale, rng| {
+                let plane = frame(rng);
+                let shape = regular(plane, 1.0, rng);
+                let rays = (0..RAYS_PER_SAMPLE).map(|_| {
+                    let ray = steep_ray(inside_or_past(&shape, rng), plane, rng);
+                    Ray::new(ray.origin * scale, ray.dir * scale)
+                });
+                Sample { rays: rays.collect(), shapes: vec![map(&shape, |vertex| vertex * scale)] }
+            },
+        },
+        Regime {
+            name: "shared_edge",
+            about: "Rays that come ever nearer to the edge of two triangles, and at last meet it as exactly as rounding allows: \
+                    half of the last ones, on whole numbers, quite exactly.",
+            axis: "distance to the edge / size of the triangle",
+            steps: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0],
+            mesh: true,
+            sample: |gap, rng| if gap == 0.0 && rng.random() { grid_fan(Aim::Edges, rng) } else { hinge(gap, rng) },
+        },
+        Regime {
+            name: "vertex_fan",
+            about: "Rays through the vertex in the middle of a fan of ever more triangles; on whole numbers, where half of them \
+                    are, they meet it exactly.",
+            axis: "triangles around the vertex",
+            steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0],
+            mesh: true,
+            sample: |triangles, rng| vertex_fan(triangles as usize, rng),
+        },
+        Regime {
+            name: "closed_mesh",
+            about: "Rays from within a closed mesh through its edges and vertices; the mesh moves ever farther from the world's \
+                    origin.",
+            axis: "distance to the world's origin / size of the mesh",
+            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
+            mesh: true,
+            sample: closed_mesh,
+        },
+    ];
+
+    const MAPS: &'static [FailureMap<Self>] = &[
+        FailureMap {
+            name: "offset-aspect",
+            x: Axis { title: "distance to the world's origin / size", start: 1.0, quarters: 24 },
+            y: Axis { title: "length / height", start: 1.0, quarters: 24 },
+            sample: |[offset, aspect], rng| {
+                let plane = frame(rng);
+                let shape = moved(&sliver(plane, aspect, rng), direction(rng) * offset);
+                Sample::of(shape, rng, |shape, rng| steep_ray(inside(shape, rng), plane, rng))
+            },
+        },
+        FailureMap {
+            name: "distance-angle",
+            x: Axis { title: "distance of the ray's origin / size", start: 1.0, quarters: 20 },
+            y: Axis { title: "angle to the triangle, rad", start: 1.0, quarters: -24 },
+            sample: |[distance, angle], rng| {
+                let plane = frame(rng);
+                Sample::of(regular(plane, 1.0, rng), rng, |shape, rng| {
+                    grazing_ray(inside(shape, rng), plane, angle, distance, rng)
+                })
+            },
+        },
+    ];
+
+    fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
+        match workload {
+            Workload::Generic => Sample::of(free(rng), rng, |shape, rng| ray_at(inside_or_past(shape, rng), rng)),
+            Workload::Edge => {
+                if rng.random_bool(0.5) {
+                    grid_fan(Aim::EdgesAndHub, rng)
+                } else {
+                    free_fan(rng)
+                }
+            }
+        }
+    }
+}
+
+fn map(shape: &Triangle, change: impl Fn(Vec3) -> Vec3) -> Triangle {
+    let [v0, v1, v2] = shape.vertices().map(change);
+    Triangle { v0, v1, v2 }
+}
+
+fn moved(shape: &Triangle, by: Vec3) -> Triangle {
+    map(shape, |vertex| vertex + by)
+}
+
+/// The same triangle, beginning with a random vertex: no edge is always the one between `v1` and `v2`.
+fn turned(Triangle { v0, v1, v2 }: Triangle, rng: &mut Pcg64) -> Triangle {
+    match rng.random_range(0..3) {
+        0 => Triangle { v0, v1, v2 },
+        1 => Triangle { v0: v1, v1: v2, v2: v0 },
+        _ => Triangle { v0: v2, v1: v0, v2: v1 },
+    }
+}
+
+/// Any triangle of about unit size near the world's origin.
+fn free(rng: &mut Pcg64) -> Triangle {
+    let [v0, v1, v2] = [0; 3].map(|_| in_cube(rng, 1.0));
+    Triangle { v0, v1, v2 }
+}
+
+/// A nearly equilateral triangle around the world's origin, in the plane of `x` and `y`.
+fn regular(plane: Mat3, size: f32, rng: &mut Pcg64) -> Triangle {
+    let corner = |x: f32, y: f32, rng: &mut Pcg64| {
+        let [dx, dy]: [f32; 2] = [0; 2].map(|_| rng.random_range(-0.25..0.25));
+        (plane.x_axis * (x + dx) + plane.y_axis * (y + dy)) * size
+    };
+    let (v0, v1, v2) = (corner(1.0, 0.0, rng), corner(-0.5, 0.875, rng), corner(-0.5, -0.875, rng));
+    Triangle { v0, v1, v2 }
+}
+
+/// A triangle about one unit long, in the plane of `x` and `y`, whose third vertex is this much nearer to its longest edge.
+fn sliver(plane: Mat3, aspect: f32, rng: &mut Pcg64) -> Triangle {
+    let length = rng.random_range(0.5..2.0);
+    let v0 = in_cube(rng, 1.0);
+    let v1 = v0 + plane.x_axis * length;
+    let v2 = v0 + plane.x_axis * (length * rng.random_range(0.0..1.0)) + plane.y_axis * (length / aspect);
+    turned(Triangle { v0, v1, v2 }, rng)
+}
+
+fn inside(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
+    let [u, v]: [f32; 2] = [0; 2].map(|_| rng.random());
+    if u + v > 1.0 { shape.point(1.0 - u, 1.0 - v) } else { shape.point(u, v) }
+}
+
+fn inside_or_past(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
+    if rng.random_bool(0.6) {
+        return inside(shape, rng);
+    }
+    let [u, v]: [f32; 2] = [0; 2].map(|_| rng.random_range(-1.0..2.0));
+    shape.point(u, v)
+}
+
+/// The triangles around `hub`, counter-clockwise as `rim` is.
+fn fan(hub: Vec3, rim: &[Vec3], rng: &mut Pcg64) -> Vec<Triangle> {
+    let next = |index: usize| rim[(index + 1) % rim.len()];
+    (0..rim.len()).map(|index| turned(Triangle { v0: hub, v1: rim[index], v2: next(index) }, rng)).collect()
+}
+
+/// Directions of the rim of eight triangles, in units that keep whole numbers whole.
+const COMPASS: [[f32; 2]; 8] =
+    [[4.0, 0.0], [3.0, 3.0], [0.0, 4.0], [-3.0, 3.0], [-4.0, 0.0], [-3.0, -3.0], [0.0, -4.0], [3.0, -3.0]];
+
+/// A ray at `target` that comes down on the plane of `x` and `y` from a few units away, at an angle of more than 0.3 rad.
+fn steep_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
+    ray_from(target + steep(plane, rng) * rng.random_range(0.5..4.0), target, rng)
+}
+
+/// A ray at `target` that comes down on the plane of `x` and `y` within half a unit of `z`: steeper than any triangle of
+/// the meshes.
+fn upright_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
+    let [x, y]: [f32; 2] = [0; 2].map(|_| rng.random_range(-0.5..0.5));
+    let away = plane.x_axis * x + plane.y_axis * y + plane.z_axis;
+    ray_from(target + away * rng.random_range(0.5..4.0), target, rng)
+}
+
+/// A fan in general position. The slopes stay below those of the rays.
+fn free_fan(rng: &mut Pcg64) -> Sample<Triangle> {
+    let jitter = |[x, y]: [f32; 2], rng: &mut Pcg64| Vec3::new(x * 0.25, y * 0.25, 0.0) + in_cube(rng, 0.1);
+    let hub = in_cube(rng, 0.1);
+    let rim = COMPASS.map(|at| jitter(at, rng));
+    let rays = (0..RAYS_PER_SAMPLE).map(|_| {
+        let spoke = rim[rng.random_range(0..8)];
+        let along = if rng.random_bool(0.2) { 0.0 } else { rng.random_range(0.0..0.9) };
+        upright_ray(hub + (spoke - hub) * along, Mat3::IDENTITY, rng)
+    });
+    Sample { rays: rays.collect(), shapes: fan(hub, &rim, rng) }
+}
+
+/// What the rays of [`grid_fan`] meet.
+#[derive(Clone, Copy, PartialEq)]
+enum Aim {
+    Edges,
+    EdgesAndHub,
+}
+
+fn whole(rng: &mut Pcg64, range: i32) -> f32 {
+    rng.random_range(-range..=range) as f32
+}
+
+/// A ray that meets `target`, which has few digits, exactly, coming down on the plane of `x` and `y`.
+fn exact_ray(target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
+    let dir = Vec3::new(whole(rng, 8) / 16.0, whole(rng, 8) / 16.0, -1.0);
+    Ray::new(target - dir * rng.random_range(1..=64) as f32, dir)
+}
+
+/// Coordinates in another order, and mirrored: exact, and no axis is always the steep one.
+fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
+    let first = rng.random_range(0..3);
+    let signs = [0; 3].map(|_| if rng.random() { 1.0 } else { -1.0 });
+    let change = |v: Vec3| Vec3::from([0, 1, 2].map(|axis| v[(first + axis) % 3] * signs[axis]));
+    Sample {
+        shapes: sample.shapes.iter().map(|shape| map(shape, change)).collect(),
+        rays: sample.rays.iter().map(|ray| Ray::new(change(ray.origin), change(ray.dir))).collect(),
+    }
+}
+
+/// A fan on whole numbers, and rays that meet its spokes exactly, and its hub.
+fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
+    let offset = Vec3::new(whole(rng, 16), whole(rng, 16), whole(rng, 16));
+    let hub = offset + Vec3::new(0.0, 0.0, whole(rng, 1));
+    let rim = COMPASS.map(|[x, y]| offset + Vec3::new(4.0 * x, 4.0 * y, 2.0 * whole(rng, 1)));
+    let rays = (0..RAYS_PER_SAMPLE).map(|_| {
+        let spoke = rim[rng.random_range(0..8)];
+        // Eighths of whole numbers: exact in f32, as is the ray built on them.
+        let at_hub = aim == Aim::EdgesAndHub && rng.random_bool(0.2);
+        let along = if at_hub { 0.0 } else { rng.random_range(1..8) as f32 / 8.0 };
+        exact_ray(hub + (spoke - hub) * along, rng)
+    });
+    let sample = Sample { rays: rays.collect(), shapes: fan(hub, &rim, rng) };
+    shuffled(sample, rng)
+}
+
+/// Two triangles that share an edge, and rays so near to it.
+fn hinge(gap: f32, rng: &mut Pcg64) -> Sample<Triangle> {
+    let plane = frame(rng);
+    let corner = |x: f32, y: f32, rng: &mut Pcg64| plane * (Vec3::new(x, y, 0.0) + in_cube(rng, 0.2));
+    let (a, b) = (corner(0.0, -1.0, rng), corner(0.0, 1.0, rng));
+    let (left, right) = (corner(-1.0, 0.0, rng), corner(1.0, 0.0, rng));
+    let rays = (0..RAYS_PER_SAMPLE).map(|_| {
+        let on_edge = a + (b - a) * rng.random_range(0.1..0.9);
+        let apex = if rng.random() { left } else { right };
+        upright_ray(on_edge + (apex - on_edge) * gap, plane, rng)
+    });
+    let rays = rays.collect();
+    let shapes = [Triangle { v0: a, v1: b, v2: left }, Triangle { v0: b, v1: a, v2: right }];
+    Sample { rays, shapes: shapes.map(|shape| turned(shape, rng)).to_vec() }
+}
+
+/// So many triangles around a vertex, and rays through it.
+fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
+    // Around a square, since that needs no sine.
+    let half = triangles as f32 / 8.0;
+    let on_square = |index: usize| {
+        let (side, along) = (index * 4 / triangles, (index * 4 % triangles) as f32 / 4.0);
+        match side {
+            0 => [half, along * 2.0 - half],
+            1 => [half - along * 2.0, half],
+            2 => [-half, half - along * 2.0],
+            _ => [along * 2.0 - half, -half],
+        }
+    };
+    if rng.random() {
+        // A pyramid on whole numbers.
+        let hub = Vec3::new(0.0, 0.0, whole(rng, triangles as i32 / 4));
+        let rim: Vec<Vec3> =
+            (0..triangles).map(|index| on_square(index).map(|x| 8.0 * x)).map(|[x, y]| Vec3::new(x, y, 0.0)).collect();
+        let rays = (0..RAYS_PER_SAMPLE).map(|_| exact_ray(hub, rng)).collect();
+        let sample = Sample { rays, shapes: fan(hub, &rim, rng) };
+        return shuffled(sample, rng);
+    }
+    let plane = frame(rng);
+    // Less than the spacing of the rim, whose slopes would rise above those of the rays.
+    let jitter = 2.0 / triangles as f32;
+    let hub = plane * in_cube(rng, 0.1);
+    let rim: Vec<Vec3> = (0..triangles)
+        .map(|index| on_square(index).map(|x| x / half))
+        .map(|[x, y]| plane * (Vec3::new(x, y, 0.0) + in_cube(rng, jitter)))
+        .collect();
+    let rays = (0..RAYS_PER_SAMPLE).map(|_| upright_ray(hub, plane, rng)).collect();
+    Sample { rays, shapes: fan(hub, &rim, rng) }
+}
+
+/// Twenty triangles around the rays' origins: an icosahedron with its vertices moved in and out.
+fn closed_mesh(offset: f32, rng: &mut Pcg64) -> Sample<Triangle> {
+    let plane = frame(rng);
+    let middle = direction(rng) * offset;
+    let vertices: Vec<Vec3> = ICOSAHEDRON
+        .iter()
+        .map(|&vertex| middle + plane * (Vec3::from(vertex) * (0.5 * rng.random_range(0.9..1.1))))
+        .collect();
+    let shapes: Vec<Triangle> = FACES
+        .iter()
+        .map(|&[a, b, c]| turned(Triangle { v0: vertices[a], v1: vertices[b], v2: vertices[c] }, rng))
+        .collect();
+    let rays = (0..RAYS_PER_SAMPLE).map(|_| {
+        let Triangle { v0, v1, .. } = shapes[rng.random_range(0..shapes.len())];
+        let along = if rng.random() { 0.0 } else { rng.random_range(0.1..0.9) };
+        ray_from(middle + in_cube(rng, 0.1), v0 + (v1 - v0) * along, rng)
+    });
+    Sample { rays: rays.collect(), shapes }
+}
+
+/// The golden ratio.
+const PHI: f32 = 1.618_034;
+
+const ICOSAHEDRON: [[f32; 3]; 12] = [
+    [0.0, 1.0, PHI],
+    [0.0, -1.0, PHI],
+    [PHI, 0.0, 1.0],
+    [-PHI, 0.0, 1.0],
+    [1.0, PHI, 0.0],
+    [-1.0, PHI, 0.0],
+    [1.0, -PHI, 0.0],
+    [-1.0, -PHI, 0.0],
+    [PHI, 0.0, -1.0],
+    [-PHI, 0.0, -1.0],
+    [0.0, 1.0, -PHI],
+    [0.0, -1.0, -PHI],
+];
+
+/// Counter-clockwise as seen from outside.
+const FACES: [[usize; 3]; 20] = [
+    [0, 1, 2],
+    [0, 2, 4],
+    [0, 4, 5],
+    [0, 5, 3],
+    [0, 3, 1],
+    [1, 6, 2],
+    [2, 6, 8],
+    [2, 8, 4],
+    [4, 8, 10],
+    [4, 10, 5],
+    [5, 10, 9],
+    [5, 9, 3],
+    [3, 9, 7],
+    [3, 7, 1],
+    [1, 7, 6],
+    [11, 8, 6],
+    [11, 10, 8],
+    [11, 9, 10],
+    [11, 7, 9],
+    [11, 6, 7],
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::workload::rng;
+
+    /// In `f64`, which has digits to spare for such coarse meshes.
+    #[test]
+    fn meshes_face_their_rays_the_same_way() {
+        let mut checked = 0;
+        for regime in Triangle::REGIMES.iter().filter(|regime| regime.mesh) {
+            for &severity in regime.steps {
+                for index in 0..200 {
+                    let mut rng = rng(1, "facing", regime.name, &[], index);
+                    let sample = (regime.sample)(severity as f32, &mut rng);
+                    assert_eq!(sample.rays.len(), RAYS_PER_SAMPLE);
+                    for ray in &sample.rays {
+                        let side = |shape: &Triangle| {
+                            let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
+                            // Where rays start within the mesh, they face its triangles by their origins.
+                            let normal = (v1 - v0).cross(v2 - v0);
+                            let sight = if regime.name == "closed_mesh" {
+                                v0 - ray.origin.as_dvec3()
+                            } else {
+                                ray.dir.as_dvec3()
+                            };
+                            normal.dot(sight) > 0.0
+                        };
+                        let first = side(&sample.shapes[0]);
+                        assert!(sample.shapes.iter().all(|shape| side(shape) == first), "{} {severity}", regime.name);
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert!(checked > 10_000);
+    }
+}
