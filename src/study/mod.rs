@@ -20,7 +20,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::kernels::Kernel;
 use crate::registry::{self, Visitor};
 use crate::tracer::{Error, SceneSource, write_atomically};
-use record::{AccuracyRow, Record, SCHEMA};
+use record::{AbsentRow, AccuracyRow, Record, SCHEMA};
 use workload::{Subject, Workload};
 
 pub use machine::build_warning;
@@ -122,7 +122,10 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         seed: options.seed,
         machine: machine::describe(),
         kernels: speed.kernels,
-        absent: Vec::new(),
+        absent: registry::absent()
+            .iter()
+            .map(|absent| AbsentRow { id: absent.id.into(), reason: absent.reason.into() })
+            .collect(),
         speed: speed_rows,
         regimes: Vec::new(),
         accuracy: accuracy_rows,
