@@ -409,6 +409,9 @@ fn list() -> Result<String, Error> {
         }
         writeln!(text, "{}", row[5]).expect("strings grow");
     }
+    for absent in registry::absent() {
+        writeln!(text, "{}  absent: {}", absent.id, absent.reason).expect("strings grow");
+    }
     text.push_str("\nOperations of one test; bytes prepared per primitive and set up per ray.\n");
     Ok(text)
 }

@@ -6,9 +6,15 @@
 //! line here.
 
 use crate::geom::{Aabb, Placed, Triangle};
+#[cfg(fused)]
+use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
 use crate::kernels::instance::Instance;
-use crate::kernels::triangle::{Cramer, MollerTrumbore};
+#[cfg(fused)]
+use crate::kernels::triangle::WoopDop;
+use crate::kernels::triangle::{
+    BaldwinWeber, Cramer, KenslerShirley, MollerTrumbore, MollerTrumboreF64, Pluecker, Woop, WoopHalfOpen,
+};
 use crate::kernels::{Kernel, Shape};
 
 /// Something done with every kernel for shapes of type `S`.
@@ -22,6 +28,8 @@ pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
     visitor.visit::<Division<f32>>();
     visitor.visit::<Reciprocal<f32>>();
     visitor.visit::<SignSelected<f32>>();
+    #[cfg(fused)]
+    visitor.visit::<Fused<f32>>();
     visitor.visit::<Padded<f32>>();
 }
 
@@ -29,6 +37,14 @@ pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
 pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
     visitor.visit::<Cramer<f32>>();
     visitor.visit::<MollerTrumbore<f32>>();
+    visitor.visit::<KenslerShirley<f32>>();
+    visitor.visit::<BaldwinWeber<f32>>();
+    visitor.visit::<Pluecker<f32>>();
+    visitor.visit::<Woop<f32>>();
+    visitor.visit::<WoopHalfOpen<f32>>();
+    #[cfg(fused)]
+    visitor.visit::<WoopDop<f32>>();
+    visitor.visit::<MollerTrumboreF64<f32>>();
 }
 
 /// An instance of each kernel.
@@ -75,6 +91,23 @@ where
     boxes(visitor);
     triangles(visitor);
     instances(visitor);
+}
+
+/// A kernel that this build has not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Absent {
+    /// Its ID; it has no instances either.
+    pub id: &'static str,
+    /// What it lacks.
+    pub reason: &'static str,
+}
+
+/// The kernels that this build has not, each with the reason.
+pub fn absent() -> &'static [Absent] {
+    const REASON: &str = "needs fused multiply-add, which this build has not (target features avx, fma)";
+    const FUSED: [Absent; 2] =
+        [Absent { id: "triangle/woop_dop", reason: REASON }, Absent { id: "aabb/fused", reason: REASON }];
+    if cfg!(fused) { &[] } else { &FUSED }
 }
 
 /// Something done with one kernel that is chosen by name at run time.

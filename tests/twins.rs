@@ -6,9 +6,13 @@
 mod aim;
 
 use std::fmt::{Debug, Write};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
+use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
-use raylanes::geom::{Aabb, Hit, Ray};
+use raylanes::geom::{Aabb, Hit, Mask8, Placed, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use wide::f32x8;
@@ -17,18 +21,88 @@ use aim::{Aimed, Case};
 
 const PACKETS: u32 = 20_000;
 
+/// What is to be done, each by itself, so that all cores can help.
 #[derive(Default)]
-struct Twins {
-    kernels: usize,
-    failures: Vec<String>,
-}
+struct Twins(Vec<fn() -> Outcome>);
 
 #[test]
 fn twins_have_identical_hits() {
     let mut twins = Twins::default();
     registry::all(&mut twins);
-    assert!(twins.kernels > 0, "the registry is empty");
-    assert!(twins.failures.is_empty(), "{}", twins.failures.join("\n"));
+    let Twins(jobs) = twins;
+    assert!(!jobs.is_empty(), "the registry is empty");
+    // The cases of each shape first, or every thread would wait for the first shape's.
+    let fills = [fill::<Aabb>, fill::<Triangle>, fill::<Placed<Aabb>>, fill::<Placed<Triangle>>];
+    in_parallel(&fills);
+
+    let mut failures = Vec::new();
+    for Outcome { summary, failure } in in_parallel(&jobs) {
+        print!("{summary}");
+        failures.extend(failure);
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+fn fill<S: Pooled>() {
+    S::cases();
+}
+
+/// Runs the jobs on all cores; the results are in the order of the jobs.
+fn in_parallel<T: Send + Sync>(jobs: &[fn() -> T]) -> Vec<T> {
+    let results: Vec<OnceLock<T>> = jobs.iter().map(|_| OnceLock::new()).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        loop {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            let (Some(run), Some(slot)) = (jobs.get(job), results.get(job)) else { break };
+            assert!(slot.set(run()).is_ok(), "each job is taken once");
+        }
+    };
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(work);
+        }
+    });
+    results.into_iter().map(|slot| slot.into_inner().expect("every job was taken")).collect()
+}
+
+/// A shape whose cases are made once, for all its kernels: making them takes longer than checking them.
+trait Pooled: Aimed {
+    fn cases() -> &'static [Case<Self>];
+}
+
+macro_rules! pooled {
+    ($($shape:ty),*) => {$(
+        impl Pooled for $shape {
+            fn cases() -> &'static [Case<Self>] {
+                static CASES: OnceLock<Vec<Case<$shape>>> = OnceLock::new();
+                CASES.get_or_init(|| {
+                    let (mut runner, cases) = runner();
+                    let strategy = aim::cases();
+                    (0..cases).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect()
+                })
+            }
+        }
+    )*};
+}
+pooled!(Aabb, Triangle, Placed<Aabb>, Placed<Triangle>);
+
+/// The source of the cases, and how many of them to take.
+fn runner() -> (TestRunner, u32) {
+    let defaults = Config::default();
+    let cases = defaults.cases.max(PACKETS);
+    let rng_seed = match defaults.rng_seed {
+        RngSeed::Random => RngSeed::Fixed(2026),
+        fixed @ RngSeed::Fixed(_) => fixed,
+    };
+    (TestRunner::new(Config { cases, rng_seed, failure_persistence: None, ..defaults }), cases)
+}
+
+/// What came of one kernel.
+struct Outcome {
+    summary: String,
+    failure: Option<String>,
 }
 
 /// Tests and hits of one face, to show that a property did not pass on misses alone.
@@ -49,68 +123,94 @@ impl HitRate {
     }
 }
 
-impl<S: Aimed> Visitor<S> for Twins {
+impl<S: Pooled> Visitor<S> for Twins {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
-        self.kernels += 1;
-        let id = K::INFO.id;
-        let defaults = Config::default();
-        let config = Config {
-            cases: defaults.cases.max(PACKETS),
-            rng_seed: match defaults.rng_seed {
-                RngSeed::Random => RngSeed::Fixed(2026),
-                fixed @ RngSeed::Fixed(_) => fixed,
-            },
-            failure_persistence: None,
-            ..defaults
-        };
-        let packets = config.cases;
-        let rates = std::cell::Cell::new([HitRate::default(); 2]);
-        let outcome = TestRunner::new(config).run(&aim::cases::<S>(), |case| {
-            let mut counted = rates.get();
-            let checked = check::<K>(&case, &mut counted);
-            rates.set(counted);
-            checked.map_err(TestCaseError::fail)
-        });
-        match outcome {
-            Ok(()) => {
-                let [many_rays, many_primitives] = rates.get().map(HitRate::percent);
-                println!("{id}: {packets} packets, hits: {many_rays:.0} % of 8x1, {many_primitives:.0} % of 1x8");
-                if !(15.0..=85.0).contains(&many_rays) || !(8.0..=85.0).contains(&many_primitives) {
-                    self.failures.push(format!("{id}: the rays are badly aimed, the property saw next to one outcome"));
-                }
-            }
-            Err(TestError::Fail(_, case)) => {
-                // The reason that proptest kept may belong to a larger case than the one it shrank to.
-                let reason = check::<K>(&case, &mut Default::default()).expect_err("shrinking keeps the failure");
-                self.failures.push(reason);
-            }
-            Err(TestError::Abort(reason)) => panic!("{id}: aborted: {reason}"),
-        }
+        self.0.push(check_all::<S, K>);
     }
+}
+
+fn check_all<S: Pooled, K: Kernel<Shape = S>>() -> Outcome {
+    let id = K::INFO.id;
+    let mut rates = [HitRate::default(); 2];
+    let cases = S::cases();
+    if let Some(failing) = cases.iter().position(|case| check::<K>(case, &mut rates).is_err()) {
+        return Outcome { summary: String::new(), failure: Some(shrunk::<S, K>(failing)) };
+    }
+    let [many_rays, many_primitives] = rates.map(HitRate::percent);
+    let packets = cases.len();
+    Outcome {
+        summary: format!("{id}: {packets} packets, hits: {many_rays:.0} % of 8x1, {many_primitives:.0} % of 1x8\n"),
+        failure: (!(15.0..=85.0).contains(&many_rays) || !(8.0..=85.0).contains(&many_primitives))
+            .then(|| format!("{id}: the rays are badly aimed, the property saw next to one outcome")),
+    }
+}
+
+/// Makes case number `failing` again, this time with what is needed to simplify it, and describes the simplest that
+/// fails.
+fn shrunk<S: Pooled, K: Kernel<Shape = S>>(failing: usize) -> String {
+    let (mut runner, _) = runner();
+    let strategy = aim::cases::<S>();
+    for _ in 0..failing {
+        strategy.new_tree(&mut runner).unwrap();
+    }
+    let tree = strategy.new_tree(&mut runner).unwrap();
+    let check = |case: &Case<S>| check::<K>(case, &mut Default::default());
+    match runner.run_one(tree, |case| check(&case).map_err(TestCaseError::fail)) {
+        // The reason that proptest kept may belong to a larger case than the one it shrank to.
+        Err(TestError::Fail(_, case)) => check(&case).expect_err("shrinking keeps the failure"),
+        Err(TestError::Abort(reason)) => panic!("{}: aborted: {reason}", K::INFO.id),
+        Ok(_) => unreachable!("the same seed makes the same cases"),
+    }
+}
+
+// One copy of each twin, instead of one for each place that calls it.
+
+#[inline(never)]
+fn hit<K: Kernel>(primitive: &K, ray: &Ray<f32>) -> Hit<f32> {
+    Intersect::<f32>::hit(primitive, ray)
+}
+
+#[inline(never)]
+fn any_hit<K: Kernel>(primitive: &K, ray: &Ray<f32>) -> bool {
+    primitive.any_hit(ray, &<K as Intersect<f32>>::setup(ray))
+}
+
+#[inline(never)]
+fn hit8<K: Kernel>(primitive: &K, packet: &Ray<f32x8>) -> Hit<f32x8> {
+    Intersect::<f32x8>::hit(primitive, packet)
+}
+
+#[inline(never)]
+fn any_hit8<K: Kernel>(primitive: &K, packet: &Ray<f32x8>) -> Mask8 {
+    primitive.any_hit(packet, &<K as Intersect<f32x8>>::setup(packet))
+}
+
+#[inline(never)]
+fn hit_gathered<K: Kernel>(primitives: &K::Packet, packet: &Ray<f32x8>) -> Hit<f32x8> {
+    primitives.hit(packet)
 }
 
 /// Checks one packet of rays against one packet of primitives.
 fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(), String> {
     let primitives = case.shapes.map(|shape| K::prepare(&shape));
     let gathered = K::gather(&primitives);
-    let scalar = |primitive: usize, ray: usize| Intersect::<f32>::hit(&primitives[primitive], &case.rays[ray]);
+    let scalar = primitives.map(|primitive| case.rays.map(|ray| hit(&primitive, &ray)));
 
     // Eight rays against one primitive, in every lane position.
     for shift in 0..8 {
         let source = |lane: usize| (lane + shift) % 8;
         let packet = Ray::from_lanes(&std::array::from_fn(|lane| case.rays[source(lane)]));
-        let hits = Intersect::<f32x8>::hit(&primitives[0], &packet);
+        let hits = hit8(&primitives[0], &packet);
         for lane in 0..8 {
-            let expected = scalar(0, source(lane));
-            let face = format!("8 rays x 1 primitive, packet turned by {shift}");
-            compare::<K>(&face, case, 0, source(lane), lane, expected, hits.lane(lane))?;
+            let expected = scalar[0][source(lane)];
+            let face = || format!("8 rays x 1 primitive, packet turned by {shift}");
+            compare::<K>(face, case, 0, source(lane), lane, expected, hits.lane(lane))?;
             if shift == 0 {
                 rates[0].count(&expected);
                 well_formed::<K>(case, 0, lane, &expected)?;
             }
         }
-        let setup = <K as Intersect<f32x8>>::setup(&packet);
-        let any = Intersect::<f32x8>::any_hit(&primitives[0], &packet, &setup);
+        let any = any_hit8(&primitives[0], &packet);
         if any != hits.mask {
             return Err(format!("{}: any_hit {:08b}, closest_hit {:08b}", K::INFO.id, any.bits(), hits.mask.bits()));
         }
@@ -118,33 +218,32 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
 
     // Partial packets.
     for active in 0..8 {
-        let hits = Intersect::<f32x8>::hit(&primitives[0], &Ray::from_slice(&case.rays[..active]));
+        let hits = hit8(&primitives[0], &Ray::from_slice(&case.rays[..active]));
         for lane in 0..8 {
-            let expected = if lane < active { scalar(0, lane) } else { Hit::MISS };
-            let face = format!("8 rays x 1 primitive, {active} of 8 active");
-            compare::<K>(&face, case, 0, lane, lane, expected, hits.lane(lane))?;
+            let expected = if lane < active { scalar[0][lane] } else { Hit::MISS };
+            let face = || format!("8 rays x 1 primitive, {active} of 8 active");
+            compare::<K>(face, case, 0, lane, lane, expected, hits.lane(lane))?;
         }
     }
 
     // One ray against eight primitives.
-    for ray in 0..8 {
-        let setup = <K as Intersect<f32>>::setup(&case.rays[ray]);
-        let packet = Ray::splat(&case.rays[ray]);
-        let hits = gathered.hit(&packet);
+    for (ray, one) in case.rays.iter().enumerate() {
+        let hits = hit_gathered::<K>(&gathered, &Ray::splat(one));
         for (lane, primitive) in primitives.iter().enumerate() {
-            let expected = scalar(lane, ray);
+            let expected = scalar[lane][ray];
             rates[1].count(&expected);
-            compare::<K>("1 ray x 8 primitives", case, lane, ray, lane, expected, hits.lane(lane))?;
-            if Intersect::<f32>::any_hit(primitive, &case.rays[ray], &setup) != expected.mask {
+            compare::<K>(|| "1 ray x 8 primitives".into(), case, lane, ray, lane, expected, hits.lane(lane))?;
+            if any_hit(primitive, one) != expected.mask {
                 return Err(format!("{}: scalar any_hit and closest_hit differ", K::INFO.id));
             }
         }
     }
 
     // Lane by lane.
-    let hits = gathered.hit(&Ray::from_lanes(&case.rays));
+    let hits = hit_gathered::<K>(&gathered, &Ray::from_lanes(&case.rays));
     for lane in 0..8 {
-        compare::<K>("8 rays x 8 primitives", case, lane, lane, lane, scalar(lane, lane), hits.lane(lane))?;
+        let face = || "8 rays x 8 primitives".into();
+        compare::<K>(face, case, lane, lane, lane, scalar[lane][lane], hits.lane(lane))?;
     }
     Ok(())
 }
@@ -166,7 +265,7 @@ fn well_formed<K: Kernel>(case: &Case<K::Shape>, primitive: usize, ray: usize, h
 }
 
 fn compare<K: Kernel>(
-    face: &str,
+    face: impl FnOnce() -> String,
     case: &Case<K::Shape>,
     primitive: usize,
     ray: usize,
@@ -177,7 +276,7 @@ fn compare<K: Kernel>(
     if scalar.mask == packet.mask && scalar.to_bits() == packet.to_bits() {
         return Ok(());
     }
-    let mut text = format!("{}: twins differ, {face}, lane {lane}\n", K::INFO.id);
+    let mut text = format!("{}: twins differ, {}, lane {lane}\n", K::INFO.id, face());
     describe(&mut text, &case.shapes[primitive], &case.rays[ray]);
     writeln!(text, "          {:>24} {:>24}", "scalar", "packet").unwrap();
     writeln!(text, "mask      {:>24} {:>24}", scalar.mask, packet.mask).unwrap();
@@ -206,8 +305,6 @@ fn describe(text: &mut String, shape: &impl Debug, ray: &Ray<f32>) {
 /// promise comes up.
 #[test]
 fn generators_reach_what_they_promise() {
-    use proptest::strategy::{Strategy, ValueTree};
-
     let mut runner = TestRunner::new(Config { rng_seed: RngSeed::Fixed(1), ..Config::default() });
     let strategy = aim::cases::<Aabb>();
     let mut seen = std::collections::BTreeMap::<&str, u32>::new();

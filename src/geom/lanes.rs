@@ -4,13 +4,14 @@
 //! directly. What follows is the rest: minimum and maximum (`f32::min`, `f32x8::min` and `f32x8::fast_min` disagree on
 //! signed zeros and NaN), sign tests (`x < 0` misses `-0`), and selection, which is only defined for comparison masks
 //! and therefore goes through [`Mask8`]. There is deliberately no reciprocal (`f32x8::recip` has 12 bits; write
-//! `1.0 / x`) and no multiply-add (`f32x8::mul_add` fuses only when the build enables FMA).
+//! `1.0 / x`). `f32x8::mul_add` fuses only where the build enables FMA, so `mul_add` and `mul_add8` exist only there
+//! (`cfg(fused)`, set by the build script): a kernel that needs them is absent elsewhere, and none has two meanings.
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 use glam::Vec3;
-use wide::{f32x8, u32x8};
+use wide::{f32x8, f64x8, u32x8};
 
 mod sealed {
     pub trait Sealed {}
@@ -246,6 +247,67 @@ pub fn accepts8(t_min: f32x8, t: f32x8, t_max: f32x8) -> Mask8 {
     ge8(t, t_min) & le8(t, t_max) & lt8(t.abs(), f32x8::splat(f32::INFINITY))
 }
 
+/// `a·b + c`, rounded once.
+#[cfg(fused)]
+#[inline(always)]
+pub fn mul_add(a: f32, b: f32, c: f32) -> f32 {
+    // `f32::mul_add` is not in core; of these four lanes the compiler keeps one.
+    let [a, b, c] = [a, b, c].map(wide::f32x4::splat);
+    a.mul_add(b, c).to_array()[0]
+}
+
+/// [`mul_add`] in eight lanes.
+#[cfg(fused)]
+#[inline(always)]
+pub fn mul_add8(a: f32x8, b: f32x8, c: f32x8) -> f32x8 {
+    a.mul_add(b, c)
+}
+
+/// `f64::from`, in eight lanes.
+#[inline(always)]
+pub fn to_f64x8(a: f32x8) -> f64x8 {
+    f64x8::new(a.to_array().map(f64::from))
+}
+
+/// `as f32`, rounded to nearest, in eight lanes.
+#[inline(always)]
+pub fn to_f32x8(a: f64x8) -> f32x8 {
+    f32x8::new(a.to_array().map(|a| a as f32))
+}
+
+/// Eight outcomes of comparing `f64`; [`Mask64::narrow`] makes a [`Mask8`] of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Mask64(f64x8);
+
+impl Mask64 {
+    /// The same lanes.
+    #[inline(always)]
+    pub fn narrow(self) -> Mask8 {
+        // Each lane is all ones or all zeros, and so is either half of it.
+        Mask8(f32x8::new(self.0.to_array().map(|lane| f32::from_bits(lane.to_bits() as u32))))
+    }
+}
+
+impl BitAnd for Mask64 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+/// `a <= b` in `f64`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn le64(a: f64x8, b: f64x8) -> Mask64 {
+    Mask64(a.simd_le(b))
+}
+
+/// `a >= b` in `f64`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn ge64(a: f64x8, b: f64x8) -> Mask64 {
+    Mask64(a.simd_ge(b))
+}
+
 /// Eight vectors as structure of arrays, spelled operation for operation like [`glam::Vec3`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3x8 {
@@ -383,6 +445,52 @@ mod tests {
         same_masks("ne", |a, b| a != b, ne8);
         same_masks("sign_bit", |a, _| sign_bit(a), |a, _| sign_bit8(a));
         same_masks("accepts", |a, b| accepts(-1.0, a, b), |a, b| accepts8(f32x8::splat(-1.0), a, b));
+    }
+
+    #[cfg(fused)]
+    #[test]
+    fn multiply_add_rounds_once_in_both_twins() {
+        for c in SHARP {
+            let packet = |a, b, c| mul_add8(f32x8::splat(a), f32x8::splat(b), f32x8::splat(c)).to_array();
+            for a in SHARP {
+                for b in SHARP {
+                    let expected = mul_add(a, b, c);
+                    for (lane, got) in packet(a, b, c).into_iter().enumerate() {
+                        let same = got.to_bits() == expected.to_bits() || (got.is_nan() && expected.is_nan());
+                        assert!(same, "mul_add({a:?}, {b:?}, {c:?}) in lane {lane}: {got:?}, {expected:?}");
+                    }
+                }
+            }
+        }
+        // (1 + ε)² - (1 + 2ε) is ε², which two roundings lose.
+        let (a, c) = (1.0 + f32::EPSILON, -1.0 - 2.0 * f32::EPSILON);
+        assert_eq!((mul_add(a, a, c), a * a + c), (f32::EPSILON * f32::EPSILON, 0.0));
+    }
+
+    #[test]
+    fn conversions_to_and_from_f64_agree() {
+        const SHARP64: [f64; 8] =
+            [0.0, -0.0, 0.1, 1e-46, -1e300, f64::MIN_POSITIVE, f64::NEG_INFINITY, 1.000_000_059_604_644_8];
+        for a in SHARP {
+            for lane in to_f64x8(f32x8::splat(a)).to_array() {
+                assert!(lane.to_bits() == f64::from(a).to_bits() || (lane.is_nan() && a.is_nan()), "{a:?}");
+            }
+        }
+        for a in SHARP64 {
+            for lane in to_f32x8(f64x8::splat(a)).to_array() {
+                assert_eq!(lane.to_bits(), (a as f32).to_bits(), "{a:?}");
+            }
+        }
+        assert!(to_f32x8(f64x8::splat(f64::NAN)).to_array().iter().all(|lane| lane.is_nan()));
+        for (a, b) in [(1.0, 2.0), (2.0, 1.0), (0.0, -0.0), (f64::NAN, 1.0), (1.0, f64::NAN), (1.0, 1.0 + f64::EPSILON)]
+        {
+            let (a8, b8) = (f64x8::splat(a), f64x8::splat(b));
+            assert_eq!(le64(a8, b8).narrow().bits(), if a <= b { 0xff } else { 0 });
+            assert_eq!(ge64(a8, b8).narrow().bits(), if a >= b { 0xff } else { 0 });
+        }
+        let lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, f64::NAN];
+        let (low, high) = (ge64(f64x8::new(lanes), f64x8::splat(2.0)), le64(f64x8::new(lanes), f64x8::splat(5.0)));
+        assert_eq!((low & high).narrow().bits(), 0b0011_1100);
     }
 
     #[test]

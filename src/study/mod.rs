@@ -20,9 +20,10 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::geom::{Aabb, Placed, Triangle};
+use crate::registry;
 use crate::tracer::{Error, SceneSource, write_atomically};
 use accuracy::Kernels;
-use record::{AccuracyRow, ClaimRow, MapCells, MapRow, Record, RegimeRow, SCHEMA};
+use record::{AbsentRow, AccuracyRow, ClaimRow, MapCells, MapRow, Record, RegimeRow, SCHEMA};
 use workload::{Subject, Workload};
 
 pub use machine::build_warning;
@@ -129,7 +130,10 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         seed: options.seed,
         machine: machine::describe(),
         kernels: speed.kernels,
-        absent: Vec::new(),
+        absent: registry::absent()
+            .iter()
+            .map(|absent| AbsentRow { id: absent.id.into(), reason: absent.reason.into() })
+            .collect(),
         speed: speed_rows,
         regimes: accuracy.regimes,
         accuracy: accuracy.rows,

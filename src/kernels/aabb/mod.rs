@@ -5,15 +5,19 @@
 //! distance and its `u` the exit distance, both clipped to the ray's interval; `hit.mask` is the textbook's yes or no.
 //! A ray on the surface hits (boxes are closed), and a flat box can be hit.
 //!
-//! The four kernels differ where a ray runs parallel to a slab (`0/0` or `0·∞` on its planes) and where it grazes an
+//! The kernels differ where a ray runs parallel to a slab (`0/0` or `0·∞` on its planes) and where it grazes an
 //! edge or a corner, so that entry and exit are equal but for rounding.
 
 mod division;
+#[cfg(fused)]
+mod fused;
 mod padded;
 mod reciprocal;
 mod sign_selected;
 
 pub use division::Division;
+#[cfg(fused)]
+pub use fused::Fused;
 pub use padded::Padded;
 #[cfg(feature = "tracer")]
 pub(crate) use padded::{pad, pad8};

@@ -1,0 +1,121 @@
+//! `aabb/fused`: the slab test as one fused operation per plane. A warning.
+//!
+//! **Source:** the usual advice to "precompute `-origin·inv_dir` and use FMA"; for instance I. Wald, S. Woop, C. Benthin,
+//! G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014 (its fast traversal).
+//!
+//! **Idea:** `plane·inv_dir - origin·inv_dir`, of which the second product is known per ray. Otherwise as
+//! `aabb/sign_selected`.
+//!
+//! **Fails:** the two products cancel. `origin·inv_dir` carries a rounding error in proportion to the distance from the
+//! coordinates' origin, not from the box, and all of it ends up in the result: a box of size 1 seen from 1e6 away has
+//! planes that are off by a sixteenth. With a zero in the direction both products are infinite or `0·∞`, their difference
+//! is NaN more often than not, and the slab drops out: a parallel ray *beside* the box hits. It is not monotonic
+//! in the way that the tracer's guarantee rests on, and may serve to cull only with its error added (see `tracer`).
+//!
+//! **Empty boxes and rays without a usable slab:** a ray for which `origin·inv_dir` is not finite on any axis would drop
+//! all three slabs and hit even the empty box. It gets an empty interval, and so loses true hits.
+//!
+//! **Operations:** 6 fused multiply-adds; setup 3 divisions, 3 multiplications. It exists only where the build has them.
+
+use glam::Vec3;
+use wide::f32x8;
+
+use super::{InverseDirection, Slabs};
+use crate::geom::lanes::{Lanes, Vec3x8, le8, lt8, max, max8, min, min8, mul_add, mul_add8, sign_bit, sign_bit8};
+use crate::geom::{Aabb, Hit, Ray};
+use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
+
+/// Boxes for the fused slab test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fused<P: Lanes>(Slabs<P>);
+
+/// The per-ray data of the fused slab test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offset<L: Lanes> {
+    /// `1 / dir`.
+    pub inv_dir: L::Vec3,
+    /// `-(origin · inv_dir)`.
+    pub offset: L::Vec3,
+    /// The ray's interval, or an empty one.
+    pub t_min: L,
+    /// The ray's interval, or an empty one.
+    pub t_max: L,
+}
+
+impl Kernel for Fused<f32> {
+    type Shape = Aabb;
+    type Packet = Fused<f32x8>;
+    const INFO: Info = Info {
+        id: Id::of("aabb/fused"),
+        idea: "fma(plane, inverse direction, -origin · inverse direction): a warning",
+        source: "Wald, Woop, Benthin, Johnson, Ernst, \"Embree\", 2014 (its fast traversal)",
+        operations: Operations { mul: 6, add: 6, div: 0 },
+        claims: &[],
+    };
+
+    fn prepare(shape: &Aabb) -> Self {
+        Self(Slabs::prepare(shape))
+    }
+
+    fn gather(primitives: &[Self; 8]) -> Self::Packet {
+        Fused(Slabs::gather(primitives.map(|primitive| primitive.0)))
+    }
+}
+
+impl Intersect<f32> for Fused<f32> {
+    type Setup = Offset<f32>;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32>) -> Self::Setup {
+        let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32>::of(ray);
+        let [x, y, z] = [0, 1, 2].map(|axis| -(ray.origin[axis] * inv_dir[axis]));
+        let usable = (x.abs() < f32::INFINITY) | (y.abs() < f32::INFINITY) | (z.abs() < f32::INFINITY);
+        let t_max = if usable { t_max } else { f32::NAN };
+        Offset { inv_dir, offset: Vec3::new(x, y, z), t_min, t_max }
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+        let Slabs { lo, hi } = self.0;
+        let (mut entry, mut exit) = (setup.t_min, setup.t_max);
+        for axis in 0..3 {
+            let (lo, hi, inv, offset) = (lo[axis], hi[axis], setup.inv_dir[axis], setup.offset[axis]);
+            let (near, far) = if sign_bit(inv) { (hi, lo) } else { (lo, hi) };
+            entry = max(mul_add(near, inv, offset), entry);
+            exit = min(mul_add(far, inv, offset), exit);
+        }
+        Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
+    }
+}
+
+impl<P: Lanes> Intersect<f32x8> for Fused<P> {
+    type Setup = Offset<f32x8>;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32x8>) -> Self::Setup {
+        let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32x8>::of(ray);
+        let offset =
+            Vec3x8 { x: -(ray.origin.x * inv_dir.x), y: -(ray.origin.y * inv_dir.y), z: -(ray.origin.z * inv_dir.z) };
+        let finite = |x: f32x8| lt8(x.abs(), f32x8::splat(f32::INFINITY));
+        let usable = finite(offset.x) | finite(offset.y) | finite(offset.z);
+        let t_max = usable.select(t_max, f32x8::splat(f32::NAN));
+        Offset { inv_dir, offset, t_min, t_max }
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+        let Slabs { lo, hi } = self.0.widen();
+        let (mut entry, mut exit) = (setup.t_min, setup.t_max);
+        for (lo, hi, inv, offset) in [
+            (lo.x, hi.x, setup.inv_dir.x, setup.offset.x),
+            (lo.y, hi.y, setup.inv_dir.y, setup.offset.y),
+            (lo.z, hi.z, setup.inv_dir.z, setup.offset.z),
+        ] {
+            let negative = sign_bit8(inv);
+            let (near, far) = (negative.select(hi, lo), negative.select(lo, hi));
+            entry = max8(mul_add8(near, inv, offset), entry);
+            exit = min8(mul_add8(far, inv, offset), exit);
+        }
+        Hit::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
+    }
+}

@@ -1,0 +1,375 @@
+//! `triangle/woop`: the watertight test.
+//!
+//! **Source:** S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
+//!
+//! **Idea:** move the origin to zero and shear space so that the ray becomes the axis its direction is longest along.
+//! Each vertex is rounded once, alone, to a point of the plane across that axis, so all triangles at a vertex see the
+//! same point. What is left is whether the plane's origin lies in a triangle of rounded points: the signs of three 2×2
+//! determinants. `a·b - c·d` rounded three times has the right sign or is zero, since rounding is monotonic; where it is
+//! zero it is computed again in `f64`, whose products of `f32` are exact.
+//!
+//! **Differs from the paper:** the remaining two axes always follow in cyclic order. The paper swaps them for a negative
+//! direction to keep the winding; as both sides hit, all three signs may change together. Only the determinants that are
+//! zero are computed again, not all three. `t` is interpolated with the normalised weights and divided by the direction
+//! last, which saves two multiplications and keeps products in range. In a packet every lane has axes of its own: two
+//! selections per coordinate, or none where all eight agree, as they do for one ray against eight triangles.
+//!
+//! **Edges:** closed. A ray through an edge or a vertex hits all triangles that it meets there. **Claims:** in the plane the triangles
+//! of a mesh still share their vertices exactly, so no point between them is left out. Rounding moves a vertex by up to
+//! an ulp of its distance from the origin, and triangles with it; one that is turned over by that makes a ray hit two
+//! others beside it.
+//!
+//! **Fails:** products overflow beyond 1e19 and vanish below 1e-23. `t` needs a finite `1 / dir` on the longest axis.
+//!
+//! **Degenerate input:** rounded points of a triangle of zero area may well span some. Such triangles are found when they
+//! are prepared, and stored as NaN, which costs nothing per ray; so is what is not finite. A triangle whose rounded
+//! points are in line has three determinants of zero, or no agreeing signs; `0·∞` then makes `t` NaN. A ray that can hit nothing is set up
+//! with a NaN.
+//!
+//! **Operations:** 19 multiplications, 22 additions, 1 division; setup 3 divisions. 36 bytes prepared.
+
+use glam::Vec3;
+use wide::f32x8;
+
+use super::normal;
+use crate::geom::lanes::{
+    Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, gt8, le8, lt8, max, max8, min, min8, to_f32x8, to_f64x8,
+};
+use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
+
+/// Triangles for the watertight test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Woop<P: Lanes>(Vertices<P>);
+
+impl Kernel for Woop<f32> {
+    type Shape = Triangle;
+    type Packet = Woop<f32x8>;
+    const INFO: Info = Info {
+        id: Id::of("triangle/woop"),
+        idea: "shear the ray to an axis, then exact signs of 2×2 determinants of the rounded vertices",
+        source: "Woop, Benthin, Wald, \"Watertight Ray/Triangle Intersection\", 2013",
+        operations: Operations { mul: 19, add: 22, div: 1 },
+        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
+    };
+
+    fn prepare(shape: &Triangle) -> Self {
+        Self(Vertices::prepare(shape))
+    }
+
+    fn gather(primitives: &[Self; 8]) -> Self::Packet {
+        Woop(Vertices::gather(primitives.map(|primitive| primitive.0)))
+    }
+}
+
+impl Intersect<f32> for Woop<f32> {
+    type Setup = Shear;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32>) -> Shear {
+        Shear::of(ray)
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+        let sheared = Sheared::of(&self.0, ray, setup);
+        let mut weights = sheared.weights();
+        let mut inside = Inside::of(weights);
+        if inside.doubtful() {
+            weights = sheared.exact_weights(weights);
+            inside = Inside::of(weights);
+        }
+        sheared.hit(inside.closed, weights, ray, setup)
+    }
+}
+
+impl<P: Lanes> Intersect<f32x8> for Woop<P> {
+    type Setup = Shear8;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32x8>) -> Shear8 {
+        Shear8::of(ray)
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        let sheared = Sheared8::of(&self.0, ray, setup);
+        let mut weights = sheared.weights();
+        let mut inside = Inside8::of(weights);
+        if inside.doubtful().any() {
+            weights = sheared.exact_weights(weights);
+            inside = Inside8::of(weights);
+        }
+        sheared.hit(inside.closed, weights, ray, setup)
+    }
+}
+
+/// What the watertight tests store: the vertices as they are, or NaN for a triangle that misses everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertices<P: Lanes> {
+    v0: P::Vec3,
+    v1: P::Vec3,
+    v2: P::Vec3,
+}
+
+impl Vertices<f32> {
+    pub(super) fn prepare(shape: &Triangle) -> Self {
+        let squared = normal(shape).length_squared();
+        if squared > 0.0 && squared < f64::INFINITY {
+            Self { v0: shape.v0, v1: shape.v1, v2: shape.v2 }
+        } else {
+            Self { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN }
+        }
+    }
+}
+
+impl Vertices<f32x8> {
+    pub(super) fn gather(primitives: [Vertices<f32>; 8]) -> Self {
+        Self {
+            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
+            v1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v1)),
+            v2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v2)),
+        }
+    }
+}
+
+/// Which way to shear space for a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shear {
+    /// Where the direction is longest.
+    axis: usize,
+    x: f32,
+    y: f32,
+    /// `1 / dir` along the axis, or NaN for a ray that misses everything.
+    z: f32,
+}
+
+/// [`Shear`] in eight lanes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shear8 {
+    along_x: Mask8,
+    along_y: Mask8,
+    /// The axis of all eight lanes, or [`Shear8::MIXED`].
+    axis: usize,
+    x: f32x8,
+    y: f32x8,
+    z: f32x8,
+}
+
+/// The axes after `axis`, in cyclic order, then `axis` itself.
+#[inline(always)]
+fn turn(v: Vec3, axis: usize) -> Vec3 {
+    match axis {
+        0 => Vec3::new(v.y, v.z, v.x),
+        1 => Vec3::new(v.z, v.x, v.y),
+        _ => v,
+    }
+}
+
+impl Shear {
+    /// Three divisions and the validity check.
+    #[inline(always)]
+    pub fn of(ray: &Ray<f32>) -> Self {
+        let size = ray.dir.abs();
+        let along_x = (size.x >= size.y) & (size.x >= size.z);
+        let along_y = size.y >= size.z;
+        let axis = if along_x {
+            0
+        } else if along_y {
+            1
+        } else {
+            2
+        };
+        let d = turn(ray.dir, axis);
+        let z = if ray.is_valid() { 1.0 / d.z } else { f32::NAN };
+        Self { axis, x: d.x / d.z, y: d.y / d.z, z }
+    }
+}
+
+impl Shear8 {
+    const MIXED: usize = 3;
+
+    /// [`Shear::of`] in eight lanes.
+    #[inline(always)]
+    pub fn of(ray: &Ray<f32x8>) -> Self {
+        let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
+        let along_x = ge8(size.x, size.y) & ge8(size.x, size.z);
+        let along_y = ge8(size.y, size.z) & !along_x;
+        let axis = match (along_x.bits(), along_y.bits()) {
+            (0xff, _) => 0,
+            (_, 0xff) => 1,
+            (0, 0) => 2,
+            _ => Self::MIXED,
+        };
+        let d = Self::turn_mixed(ray.dir, along_x, along_y);
+        let z = ray.is_valid().select(f32x8::ONE / d.z, f32x8::splat(f32::NAN));
+        Self { along_x, along_y, axis, x: d.x / d.z, y: d.y / d.z, z }
+    }
+
+    #[inline(always)]
+    fn turn_mixed(v: Vec3x8, along_x: Mask8, along_y: Mask8) -> Vec3x8 {
+        let pick = |if_x, if_y, if_z| along_x.select(if_x, along_y.select(if_y, if_z));
+        Vec3x8 { x: pick(v.y, v.z, v.x), y: pick(v.z, v.x, v.y), z: pick(v.x, v.y, v.z) }
+    }
+
+    /// [`turn`] in eight lanes.
+    #[inline(always)]
+    fn turn(&self, vectors: [Vec3x8; 3]) -> [Vec3x8; 3] {
+        match self.axis {
+            0 => vectors.map(|v| Vec3x8 { x: v.y, y: v.z, z: v.x }),
+            1 => vectors.map(|v| Vec3x8 { x: v.z, y: v.x, z: v.y }),
+            2 => vectors,
+            _ => vectors.map(|v| Self::turn_mixed(v, self.along_x, self.along_y)),
+        }
+    }
+}
+
+/// A triangle as its ray sees it: `x` and `y` across the ray, `z` along its axis, not yet divided by the direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheared {
+    a: Vec3,
+    b: Vec3,
+    c: Vec3,
+}
+
+/// [`Sheared`] in eight lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheared8 {
+    a: Vec3x8,
+    b: Vec3x8,
+    c: Vec3x8,
+}
+
+impl Sheared {
+    #[inline(always)]
+    pub(super) fn of(vertices: &Vertices<f32>, ray: &Ray<f32>, setup: &Shear) -> Self {
+        let [a, b, c] = [vertices.v0, vertices.v1, vertices.v2].map(|vertex| {
+            let v = turn(vertex - ray.origin, setup.axis);
+            Vec3::new(v.x - setup.x * v.z, v.y - setup.y * v.z, v.z)
+        });
+        Self { a, b, c }
+    }
+
+    /// The edges opposite v1, v2 and v0, all walked in the same sense.
+    #[inline(always)]
+    pub(super) fn edges(&self) -> [(Vec3, Vec3); 3] {
+        [(self.c, self.a), (self.a, self.b), (self.b, self.c)]
+    }
+
+    /// The weights of v1, v2 and v0, up to a common factor. Each has the right sign or is zero.
+    #[inline(always)]
+    pub(super) fn weights(&self) -> [f32; 3] {
+        self.edges().map(|(p, q)| p.x * q.y - p.y * q.x)
+    }
+
+    /// The same with those that are zero computed again, so that only what is zero remains so.
+    #[inline(always)]
+    pub(super) fn exact_weights(&self, weights: [f32; 3]) -> [f32; 3] {
+        let edges = self.edges();
+        [0, 1, 2].map(|edge| {
+            let (p, q) = edges[edge];
+            let [px, py, qx, qy] = [p.x, p.y, q.x, q.y].map(f64::from);
+            if weights[edge] == 0.0 { (px * qy - py * qx) as f32 } else { weights[edge] }
+        })
+    }
+
+    #[inline(always)]
+    pub(super) fn hit(&self, inside: bool, weights: [f32; 3], ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+        let [u, v, w] = weights;
+        let inv_det = 1.0 / (u + v + w);
+        let [u, v, w] = [u, v, w].map(|weight| weight * inv_det);
+        // A NaN in any of the three arrives here, and is a miss.
+        let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
+        Hit::<f32>::new(inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
+    }
+}
+
+impl Sheared8 {
+    #[inline(always)]
+    pub(super) fn of<P: Lanes>(vertices: &Vertices<P>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
+        let relative = [vertices.v0, vertices.v1, vertices.v2].map(|vertex| P::widen_vec3(vertex) - ray.origin);
+        let [a, b, c] = setup.turn(relative).map(|v| Vec3x8 { x: v.x - setup.x * v.z, y: v.y - setup.y * v.z, z: v.z });
+        Self { a, b, c }
+    }
+
+    /// [`Sheared::edges`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn edges(&self) -> [(Vec3x8, Vec3x8); 3] {
+        [(self.c, self.a), (self.a, self.b), (self.b, self.c)]
+    }
+
+    /// [`Sheared::weights`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn weights(&self) -> [f32x8; 3] {
+        self.edges().map(|(p, q)| p.x * q.y - p.y * q.x)
+    }
+
+    /// [`Sheared::exact_weights`] in eight lanes. By value: a reference would keep the whole triangle in memory.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn exact_weights(self, weights: [f32x8; 3]) -> [f32x8; 3] {
+        let edges = self.edges();
+        [0, 1, 2].map(|edge| {
+            let (p, q) = edges[edge];
+            let [px, py, qx, qy] = [p.x, p.y, q.x, q.y].map(to_f64x8);
+            eq8(weights[edge], f32x8::ZERO).select(to_f32x8(px * qy - py * qx), weights[edge])
+        })
+    }
+
+    /// [`Sheared::hit`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn hit(&self, inside: Mask8, weights: [f32x8; 3], ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        let [u, v, w] = weights;
+        let inv_det = f32x8::ONE / (u + v + w);
+        let [u, v, w] = [u, v, w].map(|weight| weight * inv_det);
+        // A NaN in any of the three arrives here, and is a miss.
+        let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
+        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+    }
+}
+
+/// What the signs of the three weights say. A NaN among them may go unnoticed: it makes `t` NaN.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inside {
+    /// No two signs differ, of which one or more may be zero.
+    pub(super) closed: bool,
+    /// All signs are the same, and none is zero.
+    pub(super) open: bool,
+}
+
+/// [`Inside`] in eight lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inside8 {
+    pub(super) closed: Mask8,
+    pub(super) open: Mask8,
+}
+
+impl Inside {
+    #[inline(always)]
+    pub(super) fn of([u, v, w]: [f32; 3]) -> Self {
+        let (least, greatest) = (min(min(u, v), w), max(max(u, v), w));
+        Self { closed: (least >= 0.0) | (greatest <= 0.0), open: (least > 0.0) | (greatest < 0.0) }
+    }
+
+    /// Whether the outcome hangs on a zero.
+    #[inline(always)]
+    pub(super) fn doubtful(self) -> bool {
+        self.closed & !self.open
+    }
+}
+
+impl Inside8 {
+    /// [`Inside::of`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn of([u, v, w]: [f32x8; 3]) -> Self {
+        let (least, greatest) = (min8(min8(u, v), w), max8(max8(u, v), w));
+        let zero = f32x8::ZERO;
+        Self { closed: ge8(least, zero) | le8(greatest, zero), open: gt8(least, zero) | lt8(greatest, zero) }
+    }
+
+    /// [`Inside::doubtful`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn doubtful(self) -> Mask8 {
+        self.closed & !self.open
+    }
+}
