@@ -22,7 +22,7 @@ pub enum Workload {
     /// One primitive of about unit size and a ray aimed into it or past it, from a few units away.
     Generic,
     /// Rays aimed at edges, vertices, corners and planes. For triangles: a fan of eight that all face the rays, in random
-    /// positions or on a grid of whole numbers, where rays meet edges exactly.
+    /// positions or on a grid, where rays meet edges exactly.
     Edge,
 }
 

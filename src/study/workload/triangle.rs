@@ -107,7 +107,7 @@ impl Subject for Triangle {
         Regime {
             name: "shared_edge",
             about: "Rays that come ever nearer to the edge of two triangles, and at last meet it as exactly as rounding allows: \
-                    half of the last ones, on whole numbers, quite exactly.",
+                    half of the last ones, on a grid, quite exactly.",
             axis: "distance to the edge / size of the triangle",
             steps: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0],
             mesh: true,
@@ -115,8 +115,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "vertex_fan",
-            about: "Rays through the vertex in the middle of a fan of ever more triangles; on whole numbers, where half of them \
-                    are, they meet it exactly.",
+            about: "Rays through the vertex in the middle of a fan of ever more triangles; on a grid, where half of them are, they \
+                    meet it exactly.",
             axis: "triangles around the vertex",
             steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0],
             mesh: true,
@@ -274,10 +274,33 @@ fn whole(rng: &mut Pcg64, range: i32) -> f32 {
     rng.random_range(-range..=range) as f32
 }
 
-/// A ray that meets `target`, which has few digits, exactly, coming down on the plane of `x` and `y`.
-fn exact_ray(target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
-    let dir = Vec3::new(whole(rng, 8) / 16.0, whole(rng, 8) / 16.0, -1.0);
-    Ray::new(target - dir * rng.random_range(1..=64) as f32, dir)
+/// Where the coordinates of a mesh, and the directions of its rays, have few digits, so that a ray can be built that meets
+/// a point of it exactly.
+#[derive(Clone, Copy)]
+struct Grid {
+    /// How many steps there are to a unit of length.
+    steps: i32,
+}
+
+impl Grid {
+    /// Whole numbers half of the time, on which most arithmetic is exact; else a thousandth part of them, where even a
+    /// product of three in `f64` has to be rounded.
+    fn any(rng: &mut Pcg64) -> Self {
+        Self { steps: if rng.random() { 1 } else { 1024 } }
+    }
+
+    /// Somewhere within `range` units of the origin.
+    fn point(self, range: i32, rng: &mut Pcg64) -> Vec3 {
+        Vec3::from([0; 3].map(|_| whole(rng, range * self.steps))) / self.steps as f32
+    }
+
+    /// A ray that meets `target` exactly, coming down on the plane of `x` and `y`.
+    fn ray(self, target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
+        let parts = 16 * self.steps.min(128);
+        let slope = |rng: &mut Pcg64| whole(rng, parts / 2) / parts as f32;
+        let dir = Vec3::new(slope(rng), slope(rng), -1.0);
+        Ray::new(target - dir * rng.random_range(1..=64) as f32, dir)
+    }
 }
 
 /// Coordinates in another order, and mirrored: exact, and no axis is always the steep one.
@@ -291,17 +314,18 @@ fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
     }
 }
 
-/// A fan on whole numbers, and rays that meet its spokes exactly, and its hub.
+/// A fan on a grid, and rays that meet its spokes exactly, and its hub.
 fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
+    let grid = Grid::any(rng);
     let offset = Vec3::new(whole(rng, 16), whole(rng, 16), whole(rng, 16));
-    let hub = offset + Vec3::new(0.0, 0.0, whole(rng, 1));
-    let rim = COMPASS.map(|[x, y]| offset + Vec3::new(4.0 * x, 4.0 * y, 2.0 * whole(rng, 1)));
+    let hub = offset + grid.point(1, rng);
+    let rim = COMPASS.map(|[x, y]| offset + Vec3::new(4.0 * x, 4.0 * y, 0.0) + grid.point(2, rng));
     let rays = (0..RAYS_PER_SAMPLE).map(|_| {
         let spoke = rim[rng.random_range(0..8)];
-        // Eighths of whole numbers: exact in f32, as is the ray built on them.
+        // Eighths have three more digits: f32 holds them, and those of the ray built on them.
         let at_hub = aim == Aim::EdgesAndHub && rng.random_bool(0.2);
         let along = if at_hub { 0.0 } else { rng.random_range(1..8) as f32 / 8.0 };
-        exact_ray(hub + (spoke - hub) * along, rng)
+        grid.ray(hub + (spoke - hub) * along, rng)
     });
     let sample = Sample { rays: rays.collect(), shapes: fan(hub, &rim, rng) };
     shuffled(sample, rng)
@@ -330,24 +354,26 @@ fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
     let on_square = |index: usize| {
         let (side, along) = (index * 4 / triangles, (index * 4 % triangles) as f32 / 4.0);
         match side {
-            0 => [half, along * 2.0 - half],
-            1 => [half - along * 2.0, half],
-            2 => [-half, half - along * 2.0],
-            _ => [along * 2.0 - half, -half],
+            0 => [half, along - half],
+            1 => [half - along, half],
+            2 => [-half, half - along],
+            _ => [along - half, -half],
         }
     };
     if rng.random() {
-        // A pyramid on whole numbers.
-        let hub = Vec3::new(0.0, 0.0, whole(rng, triangles as i32 / 4));
-        let rim: Vec<Vec3> =
-            (0..triangles).map(|index| on_square(index).map(|x| 8.0 * x)).map(|[x, y]| Vec3::new(x, y, 0.0)).collect();
-        let rays = (0..RAYS_PER_SAMPLE).map(|_| exact_ray(hub, rng)).collect();
+        let grid = Grid::any(rng);
+        let hub = grid.point(1, rng);
+        let rim: Vec<Vec3> = (0..triangles)
+            .map(|index| on_square(index).map(|x| 32.0 * x))
+            .map(|[x, y]| Vec3::new(x, y, 0.0) + grid.point(1, rng))
+            .collect();
+        let rays = (0..RAYS_PER_SAMPLE).map(|_| grid.ray(hub, rng)).collect();
         let sample = Sample { rays, shapes: fan(hub, &rim, rng) };
         return shuffled(sample, rng);
     }
     let plane = frame(rng);
     // Less than the spacing of the rim, whose slopes would rise above those of the rays.
-    let jitter = 2.0 / triangles as f32;
+    let jitter = 1.0 / triangles as f32;
     let hub = plane * in_cube(rng, 0.1);
     let rim: Vec<Vec3> = (0..triangles)
         .map(|index| on_square(index).map(|x| x / half))
