@@ -466,11 +466,44 @@ mod tests {
     #[test]
     fn boxes_lose_strict_hits_and_boundary_hits() {
         let mut record = record_of(&["aabb/division".into()]);
+        record.accuracy.retain(|row| row.severity.is_none());
         let row = record.accuracy.iter_mut().find(|row| row.workload == "edge").unwrap();
         (row.exact_hits, row.false_miss_per_million) = (1000, 5000.0);
         (row.boundary_none, row.boundary_one, row.boundary_many) = (45, 955, 0);
         let lost = groups(&record)[0].kernels[0].lost.unwrap();
         assert_eq!((lost.events(), lost.of), (50.0, 2000));
+    }
+
+    #[test]
+    fn what_is_lost_is_the_worst_of_the_workloads_that_aim_at_it() {
+        let mut record = record_of(&["triangle/cramer".into(), "aabb/division".into()]);
+        for row in &mut record.accuracy {
+            (row.leak_per_million, row.false_miss_per_million, row.boundary_none) = (0.0, 0.0, 0);
+            let worst = if row.mesh_hits > 0 { ("vertex_fan", Some(256.0)) } else { ("flat", Some(0.0)) };
+            if (row.workload.as_str(), row.severity) == worst {
+                (row.leak_per_million, row.false_miss_per_million) = (70.0, 100.0);
+            }
+            // Neither is aimed at what could be lost.
+            if row.workload == "generic" || row.workload == "offset" {
+                (row.leak_per_million, row.false_miss_per_million) = (1e5, 1e5);
+            }
+        }
+        let groups = groups(&record);
+        assert_eq!(groups[0].losing, ["edge", "shared_edge", "vertex_fan", "closed_mesh"]);
+        assert_eq!(groups[1].losing, ["edge", "box_edge", "box_corner", "parallel", "flat"]);
+        let [triangle, bounds] = [0, 1].map(|group: usize| &groups[group].kernels[0]);
+        assert_eq!(triangle.lost, Rate::new(70.0, 20_000));
+        assert_eq!(triangle.lost_in.map(|row| row.severity), Some(Some(256.0)));
+        assert!(bounds.lost.is_some_and(|lost| (lost.events() - 1.0).abs() < 1e-9));
+        assert_eq!(bounds.lost_in.map(|row| row.workload.as_str()), Some("flat"));
+    }
+
+    #[test]
+    fn of_zeros_the_weakest_counts() {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 0.0);
+        let lost = groups(&record)[0].kernels[0].lost.unwrap();
+        assert_eq!(lost.to_string(), "0 (< 150)", "20,000 rays in the regimes, 200,000 in the workload");
     }
 
     #[test]

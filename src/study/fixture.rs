@@ -259,6 +259,8 @@ fn regime_row(regime: &RegimeRow, i: usize, id: &str, step: usize) -> AccuracyRo
     let beyond = hardness as f64 - (1.5 + (i % 4) as f64 + 0.1 * i as f64);
     let rate = if i % 4 == 3 || beyond < 0.0 { 0.0 } else { (30.0 * 8f64.powf(beyond)).min(4e5) };
     let rays = 20_000;
+    // A whole number of events.
+    let rate = (rate * rays as f64 / 1e6).floor() / rays as f64 * 1e6;
     let mesh = regime.mesh;
     // Where all is lost, there is no error of t.
     let agreed_hits = if i % 4 == 2 && step == last { 0 } else { 9_000 };

@@ -65,6 +65,12 @@ impl LogAxis {
         Self { ends, zero: 0.0, ticks: exponents.map(|exponent| 10f64.powi(exponent)).collect() }
     }
 
+    /// Where between the ends an axis [through](Self::through) severities jumps to zero.
+    pub(super) fn gap(&self) -> Option<f64> {
+        let last = self.ticks.iter().rfind(|&&tick| tick != 0.0)?;
+        (self.ticks.last() == Some(&0.0)).then(|| (self.position(*last) + self.position(0.0)) / 2.0)
+    }
+
     /// Where between the ends a value is: 0 to 1.
     pub(super) fn position(&self, value: f64) -> f64 {
         let log = if value == 0.0 { self.zero } else { value.log10() };
@@ -121,6 +127,9 @@ mod tests {
             assert!(positions.is_sorted() && positions[0] > 0.0, "{steps:?}: {positions:?}");
             assert!(positions.last() < Some(&1.0) && axis.ticks == steps, "{steps:?}");
         }
+        assert_eq!(LogAxis::through(&[1.0, 10.0]).gap(), None);
+        let axis = LogAxis::through(&[1e-1, 1e-2, 0.0]);
+        assert!(axis.gap().is_some_and(|gap| axis.position(1e-2) < gap && gap < axis.position(0.0)));
         for steps in [vec![], vec![0.0], vec![3.0]] {
             let axis = LogAxis::through(&steps);
             assert!(steps.iter().all(|&step| (0.0..=1.0).contains(&axis.position(step))), "{steps:?}");

@@ -26,10 +26,10 @@ const WORSE: RGBColor = RGBColor(8, 29, 88);
 /// Of cells in which more than 1 % of the rays miss: no shade of the others, and striped besides.
 const MISSED: RGBColor = RGBColor(222, 70, 30);
 
-const TITLE: &str =
-    "Where kernels fail: the error of t over two severities at once (light: right, dark: wrong, red: missed)";
-/// Side of an image, about.
-const IMAGE: i32 = 150;
+const TITLE: &str = "the error of t over two severities at once (light: right, dark: wrong, red: missed)";
+/// Images are at least about this wide, and at most this wide and high.
+const MIN_IMAGE: i32 = 130;
+const MAX_IMAGE: i32 = 200;
 const LEFT: i32 = 84;
 const GAP: i32 = 14;
 const NAME: i32 = 20;
@@ -91,8 +91,7 @@ fn legend(root: &Area, top: i32) -> Drawn {
         // The misses stand apart from the scale.
         let x = MARGIN + class as i32 * BOX + if class > CLASSES.len() { 24 } else { 0 };
         run(root, [(x, top + 4), (x + BOX, top + 22)], class)?;
-        let width = if class > CLASSES.len() { BOX + 60 } else { BOX };
-        root.draw_text(&meaning(class), &centered(label(TEXT, INK)), (x + width / 2, top + 34))?;
+        root.draw_text(&meaning(class), &label(TEXT, INK), (x, top + 34))?;
     }
     Ok(())
 }
@@ -112,13 +111,15 @@ struct Layout {
 impl Layout {
     fn new(map: &MapRow, images: i32, pitch: i32) -> Self {
         let cells = (map.x.len().max(1) as i32, map.y.len().max(1) as i32);
-        let cell = (IMAGE / cells.0.max(cells.1)).max(3);
-        let pitch = pitch.max(cells.0 * cell + GAP);
-        let columns = ((WIDTH - LEFT - MARGIN + GAP) / pitch).max(1);
-        // Rows about equally long.
-        let rows = (images + columns - 1) / columns;
-        let columns = (images + rows.max(1) - 1) / rows.max(1);
-        Self { cells, cell, columns, rows, pitch }
+        let pitch = pitch.max(MIN_IMAGE + GAP);
+        let space = WIDTH - LEFT - MARGIN + GAP;
+        let most = (space / pitch).max(1);
+        // Rows about equally long, and images as large as there is room for.
+        let rows = ((images + most - 1) / most).max(1);
+        let columns = ((images + rows - 1) / rows).max(1);
+        let pitch = pitch.max((space / columns).min(MAX_IMAGE + GAP));
+        let cell = ((pitch - GAP) / cells.0).min(MAX_IMAGE / cells.1).max(3);
+        Self { cells, cell, columns, rows, pitch: pitch.max(cells.0 * cell + GAP) }
     }
 
     fn size(&self) -> Pixel {

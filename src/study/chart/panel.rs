@@ -31,8 +31,8 @@ pub(super) struct Panel<'a> {
     pub(super) title: String,
     /// Values that there can be; others get no tick.
     pub(super) possible: RangeInclusive<f64>,
-    /// A value that is drawn as a line across, and what it means.
-    pub(super) threshold: Option<(f64, &'static str)>,
+    /// A value that is drawn as a line across.
+    pub(super) threshold: Option<f64>,
     /// Whether to draw the marks that no other beats in both.
     pub(super) frontier: bool,
     pub(super) series: Vec<Series<'a>>,
@@ -101,6 +101,11 @@ pub(super) fn frontier_sample(root: &Area, (x, y): Pixel) -> Drawn {
     root.draw(&PathElement::new([(x + 12, y - 1), (x + 12, y + 7), (x, y + 7)], FRONTIER.stroke_width(3)))
 }
 
+/// Explains the threshold, in a header.
+pub(super) fn threshold_sample(root: &Area, (x, y): Pixel) -> Drawn {
+    root.draw(&PathElement::new([(x, y), (x + 24, y)], FRONTIER.stroke_width(1)))
+}
+
 /// A mark of a series, and where it is.
 #[derive(Clone, Copy)]
 struct Placed<'a> {
@@ -154,12 +159,17 @@ impl Panel<'_> {
             .x_label_formatter(&|&value| (x.tick)(value))
             .y_label_formatter(&|&value| si(value, 1))
             .draw()?;
-        if let Some((value, meaning)) =
-            self.threshold.filter(|&(value, _)| (0.0..1.0).contains(&values.position(value)))
-        {
+        if let Some(gap) = x.axis.gap().filter(|_| last) {
+            // Zero is no power of ten: the axis is broken before it.
+            let x = LEFT + (gap * f64::from(width)).round() as i32;
+            root.draw(&Rectangle::new([(x - 3, bottom - 2), (x + 3, bottom + 2)], WHITE.filled()))?;
+            for x in [x - 3, x + 3] {
+                root.draw(&PathElement::new([(x - 3, bottom + 5), (x + 3, bottom - 5)], FAINT))?;
+            }
+        }
+        if let Some(value) = self.threshold.filter(|&value| (0.0..1.0).contains(&values.position(value))) {
             let (_, y) = chart.backend_coord(&(x.axis.ticks.first().copied().unwrap_or(1.0), value));
             root.draw(&PathElement::new([(LEFT, y), (LEFT + width, y)], FRONTIER.stroke_width(1)))?;
-            root.draw_text(meaning, &label(0.85 * TEXT, FAINT), (LEFT + 4, y - 7))?;
         }
         if !steps.is_empty() {
             root.draw(&PathElement::new(steps, FRONTIER.stroke_width(3)))?;

@@ -365,6 +365,8 @@ fn date(unix: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::chart::charts;
+    use crate::study::failures::Measure;
     use crate::study::fixture::{all_ids, degenerate_records, record_of};
 
     #[test]
@@ -372,15 +374,22 @@ mod tests {
         let record = record_of(&all_ids());
         let report = report_markdown(&record);
         for kernel in &record.kernels {
-            // Kernels, two tables for each of two workloads, and checksums.
-            assert!(report.matches(&format!("\n| `{}` |", kernel.id)).count() == 6, "{}", kernel.id);
+            // Kernels, claims, two tables for each of two workloads, and checksums; and one for each measure of a regime.
+            let regimes = record.regimes.iter().filter(|regime| regime.family == kernel.family);
+            let tables = 7 + regimes.map(|regime| Measure::of(regime).len()).sum::<usize>();
+            assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
         }
-        assert!(report.contains("](speed-accuracy.svg)"));
+        for chart in charts(&record) {
+            assert!(report.contains(&format!("]({})", chart.file)), "{}", chart.file);
+        }
+        assert!(report.contains("- `triangle/elsewhere`: needs fused multiply-add"));
     }
 
     #[test]
     fn a_zero_is_shown_as_a_bound() {
-        let report = report_markdown(&record_of(&["triangle/cramer".into()]));
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.regimes.clear();
+        let report = report_markdown(&record);
         assert!(report.contains("| 0 (< 15) / 200 k |"), "leaks over 200,000 rays");
         assert!(report.contains("loses 0 (< 15) |"), "{report}");
     }
@@ -424,7 +433,7 @@ mod tests {
     fn degenerate_records_have_a_report() {
         for record in degenerate_records() {
             let report = report_markdown(&record);
-            assert!(!report.contains("NaN") && !report.contains(" inf"), "{report}");
+            assert!(!report.contains("NaN") && !report.contains(" inf "), "{report}");
         }
     }
 }
