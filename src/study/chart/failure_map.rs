@@ -26,7 +26,7 @@ const WORSE: RGBColor = RGBColor(8, 29, 88);
 /// Of cells in which more than 1 % of the rays miss: no shade of the others, and striped besides.
 const MISSED: RGBColor = RGBColor(222, 70, 30);
 
-const TITLE: &str = "the error of t over two severities at once (light: right, dark: wrong, red: missed)";
+const TITLE: &str = "errors over two severities (light: right, dark: wrong, striped: missed)";
 /// Images are at least about this wide, and at most this wide and high.
 const MIN_IMAGE: i32 = 130;
 const MAX_IMAGE: i32 = 200;

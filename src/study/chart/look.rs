@@ -75,27 +75,29 @@ impl Look {
 
     /// A mark, with a white rim that keeps neighbours apart. Hollow: the value is an upper bound, hence an arrow downward.
     pub(super) fn mark(&self, root: &Area, at: Pixel, size: i32, hollow: bool) -> Drawn {
-        self.stamp(root, at, size + 2, WHITE)?;
-        self.stamp(root, at, size, self.color)?;
-        if hollow {
-            self.stamp(root, at, size - 2, WHITE)?;
-            let (x, from) = (at.0, at.1 + size + 1);
-            let tip = from + 6;
-            root.draw(&PathElement::new([(x, from), (x, tip)], self.color.stroke_width(2)))?;
-            root.draw(&PathElement::new([(x - 3, tip - 3), (x, tip), (x + 3, tip - 3)], self.color.stroke_width(2)))?;
+        self.stamp(root, at, size + 2, WHITE.filled())?;
+        if !hollow {
+            return self.stamp(root, at, size, self.color.filled());
         }
-        Ok(())
+        self.stamp(root, at, size, self.color.stroke_width(2))?;
+        let (x, from) = (at.0, at.1 + size + 1);
+        let tip = from + 6;
+        root.draw(&PathElement::new([(x, from), (x, tip)], self.color.stroke_width(2)))?;
+        root.draw(&PathElement::new([(x - 3, tip - 3), (x, tip), (x + 3, tip - 3)], self.color.stroke_width(2)))
     }
 
-    fn stamp(&self, root: &Area, (x, y): Pixel, size: i32, color: RGBColor) -> Drawn {
-        match self.shape {
-            Shape::Circle => root.draw(&Circle::new((x, y), size, color.filled())),
-            Shape::Corners(corners) => {
-                let scale = |offset: i32| (f64::from(offset * size) / 5.0).round() as i32;
-                let corners: Vec<Pixel> = corners.iter().map(|&(dx, dy)| (x + scale(dx), y + scale(dy))).collect();
-                root.draw(&Polygon::new(corners, color.filled()))
-            }
+    /// The shape, filled or in outline.
+    fn stamp(&self, root: &Area, (x, y): Pixel, size: i32, style: ShapeStyle) -> Drawn {
+        let Shape::Corners(corners) = self.shape else {
+            return root.draw(&Circle::new((x, y), size, style));
+        };
+        let scale = |offset: i32| (f64::from(offset * size) / 5.0).round() as i32;
+        let mut corners: Vec<Pixel> = corners.iter().map(|&(dx, dy)| (x + scale(dx), y + scale(dy))).collect();
+        if style.filled {
+            return root.draw(&Polygon::new(corners, style));
         }
+        corners.extend_from_within(..1);
+        root.draw(&PathElement::new(corners, style))
     }
 }
 

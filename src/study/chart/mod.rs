@@ -223,13 +223,12 @@ mod tests {
         assert_eq!(lines.join(" "), text);
     }
 
-    /// Writes every chart of the made-up record, to be looked at.
+    /// Writes the made-up record's charts and report to the folder `CHARTS`, to be looked at.
     #[test]
-    #[ignore = "writes files"]
+    #[ignore = "for the eye"]
     fn write_charts() {
-        let folder = std::env::var("CHARTS").expect("a folder");
-        for chart in charts(&record_of(&all_ids())) {
-            std::fs::write(format!("{folder}/{}", chart.file), chart.svg).unwrap();
-        }
+        let folder = std::env::var("CHARTS").expect("CHARTS names a folder");
+        crate::study::write(&record_of(&all_ids()), folder.as_ref()).unwrap();
+        print!("{}", crate::study::terminal_table(&record_of(&all_ids()), false));
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
         format!(
             "### What fails where\n\nA kernel fails at a step where more than {} % of the answers of one kind are wrong, or \
              the 99th percentile of the error of `t` exceeds {FAILING_ULP} ulp. Brackets give the figures at the first such \
-             step.",
+             step, or, of a kernel that holds, what it got wrong nevertheless.",
             number(FAILING_RATE / 1e4, 1)
         ),
         what_fails_where(record, groups),
@@ -50,17 +50,21 @@ fn capitalized(text: &str) -> String {
 
 /// For each regime the kernels that stay right, and those that fail, first at the easiest step.
 fn what_fails_where(record: &Record, groups: &[Group]) -> String {
-    let header = ["regime", "hardest", "right at every step", "failing, earliest first"];
+    let header = ["regime", "hardest", "holding to the last step", "failing, earliest first"];
     let mut grid = Grid::new(header.len(), header);
     for regime in &record.regimes {
         let verdicts: Vec<_> =
             kernels_of(groups, regime).filter_map(|kernel| Some((kernel, verdict(kernel, regime)?))).collect();
-        let right = verdicts.iter().filter(|(_, verdict)| *verdict == Verdict::Right);
-        let right: Vec<_> = right.map(|(kernel, _)| format!("`{}`", kernel.name)).collect();
+        let holding = verdicts.iter().filter_map(|(kernel, verdict)| match verdict {
+            Verdict::Holds { but } if but.is_empty() => Some(format!("`{}`", kernel.name)),
+            Verdict::Holds { but } => Some(format!("`{}` ({but})", kernel.name)),
+            Verdict::Fails { .. } => None,
+        });
+        let holding: Vec<_> = holding.collect();
         let mut failing: Vec<_> = verdicts
             .iter()
             .filter_map(|(kernel, verdict)| match verdict {
-                Verdict::Right => None,
+                Verdict::Holds { .. } => None,
                 Verdict::Fails { first, at, how } => Some((*first, format!("`{}` {at} ({how})", kernel.name))),
             })
             .collect();
@@ -73,7 +77,7 @@ fn what_fails_where(record: &Record, groups: &[Group]) -> String {
         grid.rows.push(vec![
             Cell::from(format!("{}, {}", regime.family, regime.name.replace('_', " "))),
             Cell::from(hardest),
-            listed(right, ", "),
+            listed(holding, ", "),
             listed(failing, "; "),
         ]);
     }
@@ -100,7 +104,7 @@ pub(super) fn failure_maps(record: &Record, groups: &[Group]) -> Vec<String> {
         return Vec::new();
     }
     let text = "## Failure maps\n\nThe error of `t` over two severities at once, for rays that all exactly hit strictly \
-                inside. Light is right, dark is wrong; in the red cells more than 1 % of the rays miss.";
+                inside. Light is right, dark is wrong; in the red, striped cells more than 1 % of the rays miss.";
     [text.to_owned()].into_iter().chain(images).collect()
 }
 
