@@ -50,7 +50,7 @@ fn legend(root: &Area, top: i32) -> Drawn {
     for (column, row, size, hollow, meaning) in [
         (0, 0, FACES[0].1, false, "small: scalar, one ray at a time"),
         (0, 1, FACES[1].1, false, "large: packet of eight rays"),
-        (1, 0, 5, true, "hollow: none in n rays, drawn at 3/n, the 95 % bound"),
+        (1, 0, 5, true, "hollow: none in n rays, drawn at 3/n, the 95 % bound (one or two lie below it)"),
     ] {
         look.mark(root, (columns[column], rows[row]), size, hollow)?;
         root.draw_text(meaning, &label(TEXT, INK), (columns[column] + 16, rows[row]))?;

@@ -8,6 +8,7 @@ use crate::study::failures::{FAILING_RATE, FAILING_ULP, Figure, Measure};
 use crate::study::figures::{Figures, Group, severity};
 use crate::study::record::{Record, RegimeRow};
 
+const BOUND: &str = "Where none was wrong in n rays, 3/n is the 95 % bound; one or two that were lie below it.";
 const MARK: i32 = 5;
 const LEGEND_HEIGHT: i32 = LINE + 12;
 
@@ -16,7 +17,7 @@ pub(super) fn svg(record: &Record, group: &Group, regime: &RegimeRow) -> String 
     let panels: Vec<_> = Measure::of(regime).iter().map(|&measure| panel(group, regime, measure)).collect();
     let (plot, width) = widths(panels.iter());
     let title = format!("{}, {}: {}", group.title, regime.name.replace('_', " "), regime.about);
-    let remarks = [machine(record)];
+    let remarks = [BOUND.to_owned(), machine(record)];
     let top = header_height(width, &title, &remarks) + LEGEND_HEIGHT;
     canvas((width, top + stack_height(&panels) + MARGIN), |root| {
         let below = header(root, width, &title, &remarks)?;
@@ -43,8 +44,8 @@ fn legend(root: &Area, top: i32) -> Drawn {
     let y = top + LINE / 2;
     let entry = |x: i32, meaning: &str| root.draw_text(meaning, &label(TEXT, INK), (x, y));
     Look::neutral().mark(root, (MARGIN + 8, y), MARK, true)?;
-    entry(MARGIN + 24, "hollow: none in n rays, drawn at 3/n, the 95 % bound")?;
-    let x = MARGIN + 390;
+    entry(MARGIN + 24, "hollow: none in n rays, drawn at 3/n")?;
+    let x = MARGIN + 330;
     let ends: [Pixel; 2] = [(x, y), (x + 36, y)];
     line(root, ends, &[Look::of(0), Look::of(1), Look::of(2)])?;
     entry(x + 44, "striped: kernels with the same figures, marks in turn")?;

@@ -14,7 +14,8 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
     let mut parts = vec![
         "## Stability\n\nA regime makes one workload harder step by step. In its chart easy is at the left and hard at \
          the right. In the tables there is a row for each kernel and a column for each severity; rates are per million, \
-         and where nothing was observed, the bracket gives the 95 % bound."
+         and where nothing was observed, the bracket gives the 95 % bound; the chart has a hollow mark there, below which \
+         one or two observations lie."
             .to_owned(),
         format!(
             "### What fails where\n\nA kernel fails at a step where more than {} % of the answers of one kind are wrong, or \
