@@ -9,7 +9,7 @@ use super::{
     ADVANCE, Area, Drawn, FAINT, INK, LINE, MARGIN, Pixel, TEXT, WIDTH, canvas, centered, header, header_height,
     heading, label, machine, name,
 };
-use crate::study::figures::{Figures, Group, count, severity};
+use crate::study::figures::{Group, count, severity};
 use crate::study::record::{MapCells, MapRow, Record};
 
 /// Errors up to these, in ulp, and the colours of the classes; then that of greater errors. One hue from light to dark
@@ -152,7 +152,7 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
         root.draw_text(kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
         axes_of(root, map, layout, corner, column == 0)?;
         let cells = record.map_cells.iter().find(|cells| cells.id == kernel.kernel.id && cells.map == map.name);
-        image(root, layout, corner, cells.filter(|cells| fits(cells, map)), kernel)?;
+        image(root, layout, corner, cells.filter(|cells| fits(cells, map)))?;
     }
     Ok(())
 }
@@ -191,11 +191,10 @@ fn power(tick: f64) -> String {
     if (-2.0..=2.0).contains(&exponent) { severity(tick) } else { format!("1e{exponent}") }
 }
 
-fn image(root: &Area, layout: &Layout, (left, top): Pixel, cells: Option<&MapCells>, kernel: &Figures) -> Drawn {
+fn image(root: &Area, layout: &Layout, (left, top): Pixel, cells: Option<&MapCells>) -> Drawn {
     let (width, height) = layout.size();
     let Some(cells) = cells else {
-        let text = if kernel.name.is_empty() { "" } else { "not measured" };
-        return root.draw_text(text, &centered(label(TEXT, FAINT)), (left + width / 2, top + height / 2));
+        return root.draw_text("not measured", &centered(label(TEXT, FAINT)), (left + width / 2, top + height / 2));
     };
     for Run { row, columns, class } in runs(&cells.t_ulp_p99, layout.cells.0 as usize) {
         let bottom = top + height - row as i32 * layout.cell;
