@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::record::{AccuracyRow, KernelRow, Record, SpeedRow, TracerRow};
+use super::record::{AccuracyRow, KernelRow, Record, RegimeRow, SpeedRow, TracerRow};
 
 /// Printed where the record has no figure.
 pub(super) const MISSING: &str = "–";
@@ -16,8 +16,12 @@ pub(super) struct Group<'a> {
     pub(super) title: String,
     /// What all IDs begin with; a whole number of their parts, with the last slash.
     pub(super) prefix: String,
+    /// What is hit in the end, and so which regimes apply: `triangle`.
+    pub(super) shape: &'a str,
     /// Whether rays were aimed at meshes, so that [`Figures::lost`] counts leaks.
     pub(super) mesh: bool,
+    /// The workloads that [`Figures::lost`] is the worst of.
+    pub(super) losing: Vec<&'a str>,
     /// In the order of the record.
     pub(super) kernels: Vec<Figures<'a>>,
 }
@@ -32,13 +36,20 @@ impl Group<'_> {
         }
     }
 
-    /// What [`Figures::lost`] counts, per million of what.
-    pub(super) fn lost_means(&self) -> &'static str {
-        if self.mesh {
-            "leaks per million edge-aimed rays that exactly hit the mesh, edges included"
+    /// Whether these are kernels of primitives, not instances of one.
+    pub(super) fn is_base(&self) -> bool {
+        self.title == self.shape
+    }
+
+    /// What [`Figures::lost`] counts, per million of what, over which workloads.
+    pub(super) fn lost_means(&self) -> String {
+        let what = if self.mesh {
+            "leaks per million rays that exactly hit a mesh, edges included"
         } else {
-            "lost rays (strict false misses and boundary hits reported as none) per million edge-aimed rays that exactly hit"
-        }
+            "lost rays (false misses, and boundary hits reported as none) per million that exactly hit"
+        };
+        let worst = if self.losing.len() > 1 { "the worst of" } else { "of" };
+        format!("{what}; {worst} {}", self.losing.join(", "))
     }
 }
 
@@ -49,8 +60,10 @@ pub(super) struct Figures<'a> {
     pub(super) kernel: &'a KernelRow,
     /// What distinguishes its ID within its group.
     pub(super) name: &'a str,
-    /// Edge-aimed rays that exactly hit and are reported to hit nothing.
+    /// Rays that exactly hit and are reported to hit nothing: the worst of [`Group::losing`] and their severities.
     pub(super) lost: Option<Rate>,
+    /// The row that `lost` is from.
+    pub(super) lost_in: Option<&'a AccuracyRow>,
     record: &'a Record,
 }
 
@@ -61,9 +74,18 @@ impl<'a> Figures<'a> {
         rows.find(|row| row.id == self.kernel.id && row.face == face && row.threads == threads)
     }
 
-    /// Errors on a workload.
+    /// Errors on a workload that has no severities.
     pub(super) fn accuracy(&self, workload: &str) -> Option<&'a AccuracyRow> {
-        self.record.accuracy.iter().find(|row| row.id == self.kernel.id && row.workload == workload)
+        self.rows(workload).find(|row| row.severity.is_none())
+    }
+
+    /// Errors at a step of a regime.
+    pub(super) fn at_step(&self, regime: &str, severity: f64) -> Option<&'a AccuracyRow> {
+        self.rows(regime).find(|row| row.severity == Some(severity))
+    }
+
+    fn rows(&self, workload: &str) -> impl Iterator<Item = &'a AccuracyRow> {
+        rows_of(self.record, &self.kernel.id).filter(move |row| row.workload == workload)
     }
 
     /// Nanoseconds per test in one thread.
@@ -83,7 +105,7 @@ impl<'a> Figures<'a> {
 
     /// 99th percentile of the error of `t` over generic rays.
     pub(super) fn ulp(&self) -> Option<u64> {
-        self.accuracy("generic").map(|row| row.t_ulp_p99)
+        self.accuracy("generic").and_then(ulp_p99)
     }
 
     /// Whether any ray was lost.
@@ -94,35 +116,58 @@ impl<'a> Figures<'a> {
 
 /// The kernels of a record, grouped, in its order.
 pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
-    let mut groups: Vec<(String, Vec<&KernelRow>)> = Vec::new();
+    let mut groups: Vec<(&str, Option<&str>, Vec<&KernelRow>)> = Vec::new();
     for kernel in &record.kernels {
         // An instance is named `instance/method/family/method`, anything else `family/method`.
-        let title = match kernel.id.split('/').nth(2) {
-            Some(inner) => format!("{} of {inner}", kernel.family),
-            None => kernel.family.clone(),
-        };
-        match groups.iter_mut().find(|(other, _)| *other == title) {
-            Some((_, kernels)) => kernels.push(kernel),
-            None => groups.push((title, vec![kernel])),
+        let key = (kernel.family.as_str(), kernel.id.split('/').nth(2));
+        match groups.iter_mut().find(|(family, inner, _)| (*family, *inner) == key) {
+            Some((.., kernels)) => kernels.push(kernel),
+            None => groups.push((key.0, key.1, vec![kernel])),
         }
     }
-    groups.into_iter().map(|(title, kernels)| group(record, title, &kernels)).collect()
+    groups.into_iter().map(|(family, inner, kernels)| group(record, family, inner, &kernels)).collect()
 }
 
-fn group<'a>(record: &'a Record, title: String, kernels: &[&'a KernelRow]) -> Group<'a> {
+fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernels: &[&'a KernelRow]) -> Group<'a> {
+    let title = inner.map_or(family.to_owned(), |inner| format!("{family} of {inner}"));
+    let shape = inner.unwrap_or(family);
     let prefix = common_prefix(kernels);
-    let edge = |kernel: &KernelRow| record.accuracy.iter().find(|row| row.id == kernel.id && row.workload == "edge");
-    let mesh = kernels.iter().filter_map(|kernel| edge(kernel)).any(|row| row.mesh_hits > 0);
+    let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
+    let losing = losing_workloads(record, shape, mesh);
     let kernels = kernels
         .iter()
-        .map(|&kernel| Figures {
-            kernel,
-            name: &kernel.id[prefix.len()..],
-            lost: edge(kernel).and_then(if mesh { leaks } else { lost_by_boxes }),
-            record,
+        .map(|&kernel| {
+            let rows = rows_of(record, &kernel.id).filter(|row| losing.contains(&row.workload.as_str()));
+            let rates = rows.filter_map(|row| Some((if mesh { leaks(row) } else { lost_by_boxes(row) }?, row)));
+            // Of zeros, the one over the fewest rays says least.
+            let worst = rates.max_by(|(a, _), (b, _)| {
+                a.per_million.total_cmp(&b.per_million).then(a.or_bound().total_cmp(&b.or_bound()))
+            });
+            Figures {
+                kernel,
+                name: &kernel.id[prefix.len()..],
+                lost: worst.map(|(rate, _)| rate),
+                lost_in: worst.map(|(_, row)| row),
+                record,
+            }
         })
         .collect();
-    Group { title, prefix: prefix.to_owned(), mesh, kernels }
+    Group { title, prefix: prefix.to_owned(), shape, mesh, losing, kernels }
+}
+
+fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = &'a AccuracyRow> {
+    record.accuracy.iter().filter(move |row| row.id == id)
+}
+
+/// Workloads whose rays are aimed at what a kernel may lose: those with meshes, and those at the boundary of a box.
+fn losing_workloads<'a>(record: &'a Record, shape: &str, mesh: bool) -> Vec<&'a str> {
+    const BOUNDARY: [&str; 4] = ["box_edge", "box_corner", "parallel", "flat"];
+    let loses = |regime: &&RegimeRow| {
+        regime.family == shape && if mesh { regime.mesh } else { BOUNDARY.contains(&regime.name.as_str()) }
+    };
+    let measured = |workload: &&str| *workload == "edge" || record.accuracy.iter().any(|row| row.workload == *workload);
+    let regimes = record.regimes.iter().filter(loses).map(|regime| regime.name.as_str());
+    ["edge"].into_iter().chain(regimes).filter(measured).collect()
 }
 
 /// The longest common beginning that ends with a slash.
@@ -132,16 +177,22 @@ fn common_prefix<'a>(kernels: &[&'a KernelRow]) -> &'a str {
     ends.rfind(|prefix| kernels.iter().all(|kernel| kernel.id.starts_with(prefix))).unwrap_or("")
 }
 
-fn leaks(row: &AccuracyRow) -> Option<Rate> {
+/// Rays that hit a mesh and are lost.
+pub(super) fn leaks(row: &AccuracyRow) -> Option<Rate> {
     Rate::new(row.leak_per_million, row.mesh_hits)
 }
 
 /// A box has no neighbour that could catch what it loses, so its boundary counts like its interior.
-fn lost_by_boxes(row: &AccuracyRow) -> Option<Rate> {
+pub(super) fn lost_by_boxes(row: &AccuracyRow) -> Option<Rate> {
     let of = row.exact_hits + row.boundary_none + row.boundary_one + row.boundary_many;
     // Without strict hits their rate has no meaning, and may be anything.
     let strict = Rate::new(row.false_miss_per_million, row.exact_hits).map_or(0.0, Rate::events);
     Rate::new((strict + row.boundary_none as f64) / of as f64 * 1e6, of)
+}
+
+/// The 99th percentile of the error of `t`, where there are hits whose `t` could err.
+pub(super) fn ulp_p99(row: &AccuracyRow) -> Option<u64> {
+    (row.agreed_hits > 0).then_some(row.t_ulp_p99)
 }
 
 /// So many per million, of a number of rays or pairs.
@@ -198,6 +249,25 @@ pub(super) fn number(value: f64, digits: i32) -> String {
     let plain = format!("{rounded:.*}", (digits - 1 - exponent).max(0) as usize);
     let (whole, fraction) = plain.split_at(plain.find('.').unwrap_or(plain.len()));
     separated(whole) + fraction
+}
+
+/// A severity, as short as it can be.
+pub(super) fn severity(value: f64) -> String {
+    match value.abs() {
+        1e3..1e5 => count(value.round() as u64),
+        1e-2..1e3 => short(&format!("{:.*}", if value < 1.0 { 3 } else { 1 }, value)).to_owned(),
+        0.0 => "0".to_owned(),
+        _ => {
+            let scientific = format!("{value:.1e}");
+            let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+            format!("{}e{exponent}", short(mantissa))
+        }
+    }
+}
+
+/// A decimal fraction without its last zeros.
+fn short(fraction: &str) -> &str {
+    fraction.trim_end_matches('0').trim_end_matches('.')
 }
 
 /// A whole number, thousands separated.
@@ -367,157 +437,9 @@ impl Grid {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::study::record::{Machine, SCHEMA};
-
-    /// A record of the given kernels with plausible figures, differing from kernel to kernel.
-    pub(in crate::study) fn record_of(ids: &[String]) -> Record {
-        let mut record = Record {
-            schema: SCHEMA,
-            started_unix: 1_800_000_000,
-            seconds: 61.5,
-            quick: false,
-            seed: 1,
-            machine: Machine {
-                cpu: "Some CPU @ 3 GHz".into(),
-                processors: 2,
-                os: "linux".into(),
-                target: "x86_64-unknown-linux-gnu".into(),
-                target_features: ["avx2", "fma"].map(String::from).to_vec(),
-                rustc: "rustc 1.95.0".into(),
-                versions: ["raylanes 0.1.0", "glam 0.34.2"].map(String::from).to_vec(),
-            },
-            kernels: Vec::new(),
-            absent: Vec::new(),
-            speed: Vec::new(),
-            regimes: Vec::new(),
-            accuracy: Vec::new(),
-            claims: Vec::new(),
-            maps: Vec::new(),
-            map_cells: Vec::new(),
-            tracer: Vec::new(),
-        };
-        for (i, id) in ids.iter().enumerate() {
-            add_kernel(&mut record, i, id);
-        }
-        for (mode, threads, mrays) in [("scalar", 1, 2.5), ("packet", 1, 7.25), ("scalar", 2, 4.9), ("packet", 2, 14.1)]
-        {
-            record.tracer.push(TracerRow {
-                scene: "spheres".into(),
-                triangles: 81_920,
-                rays: "primary".into(),
-                ray_count: 1_048_576,
-                hits: 700_000,
-                mode: mode.into(),
-                kernel: "triangle/moller_trumbore".into(),
-                threads,
-                mrays_per_second: mrays,
-                mrays_per_second_mad: 0.05,
-                build_seconds: 0.21,
-                bytes_per_triangle: 132.5,
-                checksum: "7357c0de".into(),
-            });
-        }
-        record
-    }
-
-    fn add_kernel(record: &mut Record, i: usize, id: &str) {
-        let mesh = id.contains("triangle");
-        record.kernels.push(KernelRow {
-            id: id.into(),
-            family: id.split('/').next().unwrap_or_default().into(),
-            idea: format!("idea {i}"),
-            source: "Author, \"Title\", 2000".into(),
-            operations: [27, 18, 1],
-            prepared_bytes: 36,
-            setup_bytes: 12,
-            setup_ns: 1.5,
-            setup_ns_packet: 0.25,
-            claims: if i.is_multiple_of(2) { vec!["conservative".into()] } else { Vec::new() },
-        });
-        let ns = 6.0 * (1.0 + 0.37 * (i % 7) as f64);
-        for (face, ns) in [("1x1", ns), ("8x1", ns / 6.1), ("1x8", ns / 5.2)] {
-            for threads in [1, 2] {
-                let ns_per_test = ns / (0.95 * threads as f64);
-                record.speed.push(SpeedRow {
-                    id: id.into(),
-                    face: face.into(),
-                    threads,
-                    ns_per_test,
-                    ns_per_test_mad: 0.012 * ns_per_test,
-                    tests_per_second: 1e9 / ns_per_test,
-                    samples: 15,
-                    checksum: format!("{i:016x}"),
-                });
-            }
-        }
-        for (workload, rays) in [("generic", 1_000_000), ("edge", 200_000)] {
-            let edge = workload == "edge";
-            let lost = if edge { [0.0, 51_234.0, 3.5, 840.0][i % 4] } else { 0.0 };
-            record.accuracy.push(AccuracyRow {
-                id: id.into(),
-                workload: workload.into(),
-                severity: None,
-                rays,
-                tests: 8 * rays,
-                exact_hits: rays / 4,
-                exact_misses: rays / 4,
-                false_miss_per_million: lost,
-                false_hit_per_million: 0.0,
-                boundary_none: if edge { 100 * (i as u64 % 4) } else { 0 },
-                boundary_one: if edge { rays / 2 } else { 0 },
-                boundary_many: 0,
-                mesh_hits: if edge && mesh { rays } else { 0 },
-                leak_per_million: lost,
-                single_hits: if edge && mesh { rays / 4 } else { 0 },
-                double_per_million: 0.0,
-                agreed_hits: 45_000,
-                t_ulp_p50: 0,
-                t_ulp_p99: [2, 4, 0, 44_000, 2][i % 5],
-                t_ulp_max: 1 << 20,
-                gross_per_million: 0.0,
-                uv_error_p99: 1.3e-7,
-                uv_error_max: 2.5e-3,
-            });
-        }
-    }
-
-    /// The kernels of today.
-    pub(in crate::study) fn some_ids() -> Vec<String> {
-        let methods = ["triangle/cramer", "triangle/moller_trumbore", "aabb/division", "aabb/padded"];
-        methods
-            .iter()
-            .map(|&id| id.to_owned())
-            .chain(methods.map(|id| format!("instance/subtract_first/{id}")))
-            .collect()
-    }
-
-    /// No rows but those of the kernels; and rows of zeros.
-    pub(in crate::study) fn degenerate_records() -> [Record; 3] {
-        let mut bare = record_of(&some_ids());
-        bare.speed.clear();
-        bare.accuracy.clear();
-        bare.tracer.clear();
-        let mut zeros = record_of(&some_ids());
-        for row in &mut zeros.speed {
-            (row.ns_per_test, row.ns_per_test_mad, row.tests_per_second) = (0.0, 0.0, f64::INFINITY);
-        }
-        for row in &mut zeros.accuracy {
-            let (id, workload) = (row.id.clone(), row.workload.clone());
-            *row = serde_json::from_value(serde_json::json!({
-                "id": id, "workload": workload, "severity": null, "rays": 0, "tests": 0, "exact_hits": 0, "exact_misses": 0,
-                "false_miss_per_million": 0.0, "false_hit_per_million": 0.0, "boundary_none": 0, "boundary_one": 0,
-                "boundary_many": 0, "mesh_hits": 0, "leak_per_million": 0.0, "single_hits": 0,
-                "double_per_million": 0.0, "agreed_hits": 0, "t_ulp_p50": 0, "t_ulp_p99": 0, "t_ulp_max": 0,
-                "gross_per_million": 0.0, "uv_error_p99": 0.0, "uv_error_max": 0.0,
-            }))
-            .unwrap();
-        }
-        let mut empty = record_of(&[]);
-        empty.tracer.clear();
-        [bare, zeros, empty]
-    }
+    use crate::study::fixture::{all_ids, record_of};
 
     #[test]
     fn figures_have_significant_digits() {
@@ -528,6 +450,8 @@ pub(super) mod tests {
         assert_eq!(number(0.0, 3), "0");
         assert_eq!(number(f64::NAN, 3), MISSING);
         assert_eq!([count(7), count(1_048_576)], ["7", "1,048,576"]);
+        let severities = [1e-15, 0.0999, 1e-6 * (1.0 + 1e-15), 0.25, 1.0, 30.0, 65_536.0, 1.5e7, 0.0].map(severity);
+        assert_eq!(severities, ["1e-15", "0.1", "1e-6", "0.25", "1", "30", "65,536", "1.5e7", "0"]);
         assert_eq!([si(2e6, 1), si(51_200.0, 3), si(250.0, 3)], ["2 M", "51.2 k", "250"]);
     }
 
@@ -542,6 +466,7 @@ pub(super) mod tests {
     #[test]
     fn boxes_lose_strict_hits_and_boundary_hits() {
         let mut record = record_of(&["aabb/division".into()]);
+        record.accuracy.retain(|row| row.severity.is_none());
         let row = record.accuracy.iter_mut().find(|row| row.workload == "edge").unwrap();
         (row.exact_hits, row.false_miss_per_million) = (1000, 5000.0);
         (row.boundary_none, row.boundary_one, row.boundary_many) = (45, 955, 0);
@@ -550,8 +475,40 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn what_is_lost_is_the_worst_of_the_workloads_that_aim_at_it() {
+        let mut record = record_of(&["triangle/cramer".into(), "aabb/division".into()]);
+        for row in &mut record.accuracy {
+            (row.leak_per_million, row.false_miss_per_million, row.boundary_none) = (0.0, 0.0, 0);
+            let worst = if row.mesh_hits > 0 { ("vertex_fan", Some(256.0)) } else { ("flat", Some(0.0)) };
+            if (row.workload.as_str(), row.severity) == worst {
+                (row.leak_per_million, row.false_miss_per_million) = (70.0, 100.0);
+            }
+            // Neither is aimed at what could be lost.
+            if row.workload == "generic" || row.workload == "offset" {
+                (row.leak_per_million, row.false_miss_per_million) = (1e5, 1e5);
+            }
+        }
+        let groups = groups(&record);
+        assert_eq!(groups[0].losing, ["edge", "shared_edge", "vertex_fan", "closed_mesh"]);
+        assert_eq!(groups[1].losing, ["edge", "box_edge", "box_corner", "parallel", "flat"]);
+        let [triangle, bounds] = [0, 1].map(|group: usize| &groups[group].kernels[0]);
+        assert_eq!(triangle.lost, Rate::new(70.0, 20_000));
+        assert_eq!(triangle.lost_in.map(|row| row.severity), Some(Some(256.0)));
+        assert!(bounds.lost.is_some_and(|lost| (lost.events() - 1.0).abs() < 1e-9));
+        assert_eq!(bounds.lost_in.map(|row| row.workload.as_str()), Some("flat"));
+    }
+
+    #[test]
+    fn of_zeros_the_weakest_counts() {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 0.0);
+        let lost = groups(&record)[0].kernels[0].lost.unwrap();
+        assert_eq!(lost.to_string(), "0 (< 150)", "20,000 rays in the regimes, 200,000 in the workload");
+    }
+
+    #[test]
     fn instances_are_grouped_by_what_they_are_instances_of() {
-        let record = record_of(&some_ids());
+        let record = record_of(&all_ids());
         let groups = groups(&record);
         let titles: Vec<_> = groups.iter().map(|group| group.title.as_str()).collect();
         assert_eq!(titles, ["triangle", "aabb", "instance of triangle", "instance of aabb"]);

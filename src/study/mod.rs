@@ -3,8 +3,12 @@
 pub mod accuracy;
 mod chart;
 pub mod claims;
+mod failures;
 mod figures;
+#[cfg(test)]
+mod fixture;
 mod frames;
+mod json;
 mod machine;
 pub mod record;
 mod report;
@@ -216,19 +220,19 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| Error::Io { action: "create", file: folder.into(), source })
 }
 
-/// Writes `results.json`, `report.md` and `speed-accuracy.svg` into a folder, which is made if it is not there.
+/// Writes `results.json`, `report.md` and the charts that it shows into a folder, which is made if it is not there.
+/// Nothing is removed.
 ///
 /// # Errors
 /// If something cannot be written.
 pub fn write(record: &Record, folder: &Path) -> Result<(), Error> {
     make_folder(folder)?;
-    let json = serde_json::to_string_pretty(record).expect("a record is plain data") + "\n";
-    for (name, content) in [
-        ("results.json", json),
-        ("speed-accuracy.svg", chart::speed_accuracy_svg(record)),
-        ("report.md", report::report_markdown(record)),
-    ] {
-        write_atomically(&folder.join(name), |file| file.write_all(content.as_bytes()))?;
+    let mut files = vec![("results.json".to_owned(), json::one_row_per_line(record).expect("a record is plain data"))];
+    files.extend(chart::charts(record).into_iter().map(|chart| (chart.file, chart.svg.into_bytes())));
+    // Last, so that what it shows is there.
+    files.push(("report.md".to_owned(), report::report_markdown(record).into_bytes()));
+    for (name, content) in files {
+        write_atomically(&folder.join(name), |file| file.write_all(&content))?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The record as text for a terminal.
 
 use super::figures::{
-    Cell, Figures, Grid, MISSING, count, groups, optional, thread_counts, times, tracer_cells, tracer_header,
+    Cell, Figures, Grid, MISSING, count, groups, optional, severity, thread_counts, times, tracer_cells, tracer_header,
     tracer_rows,
 };
 use super::record::Record;
@@ -11,8 +11,11 @@ use super::record::Record;
 pub fn terminal_table(record: &Record, color: bool) -> String {
     let mut text = kernel_grid(record).terminal(color);
     text += "\nns: nanoseconds per test of one ray against one primitive, one thread. Mt/s: million tests per second, 8x1.\n\
-             lost: edge-aimed rays that exactly hit, reported to miss, per million; (< b): none was, 95 % bound.\n\
+             lost: rays that exactly hit, reported to miss, per million, where that is worst; (< b): none was, 95 % bound.\n\
              ulp: 99th percentile of the distance of t from the correctly rounded one, generic rays.\n";
+    if let Some(claims) = claims(record) {
+        text += &claims;
+    }
     if !record.tracer.is_empty() {
         text += "\n";
         text += &tracer_grid(record).terminal(color);
@@ -21,11 +24,31 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
     text
 }
 
+/// How many claims hold, and which do not.
+fn claims(record: &Record) -> Option<String> {
+    let (broken, kept): (Vec<_>, Vec<_>) =
+        record.claims.iter().filter(|row| row.claimed && row.of > 0).partition(|row| row.violations > 0);
+    let mut text = format!("claims: {} kept, {} broken\n", kept.len(), broken.len());
+    for row in &broken {
+        text += &format!("  BROKEN: {} is not {}: {} of {}\n", row.id, row.claim, count(row.violations), count(row.of));
+    }
+    (!broken.is_empty() || !kept.is_empty()).then_some(text)
+}
+
+/// The workload that most rays are lost in, where any is.
+fn lost_in(kernel: &Figures) -> String {
+    let row = kernel.lost_in.filter(|_| kernel.loses());
+    row.map_or(String::new(), |row| match row.severity {
+        Some(step) => format!("{} {}", row.workload, severity(step)),
+        None => row.workload.clone(),
+    })
+}
+
 fn kernel_grid(record: &Record) -> Grid {
     let threads = thread_counts(record.speed.iter().map(|row| row.threads));
     let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain"]);
     grid.header.extend(threads.iter().map(|threads| Cell::from(format!("Mt/s {threads}T"))));
-    grid.header.extend(["lost", "ulp"].map(Cell::from));
+    grid.header.extend(["lost", "in", "ulp"].map(Cell::from));
     for group in groups(record) {
         grid.rows.push(vec![Cell::from(group.heading())]);
         let least = |figure: fn(&Figures) -> Option<f64>| group.kernels.iter().filter_map(figure).reduce(f64::min);
@@ -43,6 +66,7 @@ fn kernel_grid(record: &Record) -> Grid {
             row.push(
                 Cell::from(kernel.lost.map_or(MISSING.to_owned(), |lost| lost.to_string())).bad_if(kernel.loses()),
             );
+            row.push(Cell::from(lost_in(kernel)));
             row.push(Cell::from(kernel.ulp().map_or(MISSING.to_owned(), count)).best_if(kernel.ulp() == ulp));
             grid.rows.push(row);
         }
@@ -66,11 +90,11 @@ fn tracer_grid(record: &Record) -> Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::figures::tests::{degenerate_records, record_of, some_ids};
+    use crate::study::fixture::{all_ids, degenerate_records, record_of};
 
     #[test]
     fn the_table_shows_every_kernel_in_few_columns() {
-        let record = record_of(&some_ids());
+        let record = record_of(&all_ids());
         let plain = terminal_table(&record, false);
         for group in groups(&record) {
             let section = plain.lines().skip_while(|line| *line != group.heading());
@@ -85,7 +109,7 @@ mod tests {
 
     #[test]
     fn colour_changes_nothing_but_colour() {
-        let record = record_of(&some_ids());
+        let record = record_of(&all_ids());
         let mut colored = terminal_table(&record, true);
         assert!(colored.contains("\x1b[31m51,200"), "lost rays are red");
         for code in ["0", "1", "31", "32"] {

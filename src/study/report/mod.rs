@@ -1,17 +1,27 @@
 //! `report.md`: the record in words and tables. Every figure in it comes from the record.
 
-use super::figures::{
+mod failures;
+
+use crate::study::chart::{SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
+use crate::study::figures::{
     Cell, Figures, Grid, Group, MISSING, Rate, count, groups, number, si, thread_counts, times, tracer_cells,
     tracer_header, tracer_rows,
 };
-use super::record::{AccuracyRow, Record, SpeedRow};
+use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
-/// The report, in Markdown; it shows `speed-accuracy.svg`, which belongs beside it.
+/// The report, in Markdown; it shows the charts, which belong beside it.
 pub(super) fn report_markdown(record: &Record) -> String {
     let groups = groups(record);
     let mut parts = vec![title(record), advice(&groups), legend(&groups)];
-    parts.push("![Speed against accuracy of every kernel](speed-accuracy.svg)".to_owned());
+    parts.push(format!("![Speed against accuracy of every kernel]({SPEED_ACCURACY})"));
     parts.extend([KERNELS.to_owned(), kernel_table(record, &groups)]);
+    if groups.iter().any(|group| !group.is_base()) {
+        parts.push(format!("![Speed against accuracy of instances]({SPEED_ACCURACY_INSTANCES})"));
+    }
+    parts.extend(failures::absent(record));
+    parts.extend(failures::stability(record, &groups));
+    parts.extend(failures::failure_maps(record, &groups));
+    parts.extend(failures::claims(record, &groups));
     parts.push(ACCURACY.to_owned());
     for workload in workloads(record) {
         let kernels = || groups.iter().flat_map(|group| &group.kernels);
@@ -220,10 +230,10 @@ fn with_mad(row: &SpeedRow) -> String {
     format!("{} ± {}", number(row.ns_per_test, 3), number(row.ns_per_test_mad, 1))
 }
 
-/// The workloads that occur, in the order of the record.
+/// The workloads without severities that occur, in the order of the record.
 fn workloads(record: &Record) -> Vec<&str> {
     let mut workloads: Vec<&str> = Vec::new();
-    for row in &record.accuracy {
+    for row in record.accuracy.iter().filter(|row| row.severity.is_none()) {
         if !workloads.contains(&row.workload.as_str()) {
             workloads.push(&row.workload);
         }
@@ -355,22 +365,31 @@ fn date(unix: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::figures::tests::{degenerate_records, record_of, some_ids};
+    use crate::study::chart::charts;
+    use crate::study::failures::Measure;
+    use crate::study::fixture::{all_ids, degenerate_records, record_of};
 
     #[test]
     fn every_kernel_is_in_every_table() {
-        let record = record_of(&some_ids());
+        let record = record_of(&all_ids());
         let report = report_markdown(&record);
         for kernel in &record.kernels {
-            // Kernels, two tables for each of two workloads, and checksums.
-            assert!(report.matches(&format!("\n| `{}` |", kernel.id)).count() == 6, "{}", kernel.id);
+            // Kernels, claims, two tables for each of two workloads, and checksums; and one for each measure of a regime.
+            let regimes = record.regimes.iter().filter(|regime| regime.family == kernel.family);
+            let tables = 7 + regimes.map(|regime| Measure::of(regime).len()).sum::<usize>();
+            assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
         }
-        assert!(report.contains("](speed-accuracy.svg)"));
+        for chart in charts(&record) {
+            assert!(report.contains(&format!("]({})", chart.file)), "{}", chart.file);
+        }
+        assert!(report.contains("- `triangle/elsewhere`: needs fused multiply-add"));
     }
 
     #[test]
     fn a_zero_is_shown_as_a_bound() {
-        let report = report_markdown(&record_of(&["triangle/cramer".into()]));
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.regimes.clear();
+        let report = report_markdown(&record);
         assert!(report.contains("| 0 (< 15) / 200 k |"), "leaks over 200,000 rays");
         assert!(report.contains("loses 0 (< 15) |"), "{report}");
     }
@@ -394,7 +413,7 @@ mod tests {
 
     #[test]
     fn rows_are_as_long_as_their_headers() {
-        let report = report_markdown(&record_of(&some_ids()));
+        let report = report_markdown(&record_of(&all_ids()));
         let mut columns = None;
         for line in report.lines() {
             let here = line.starts_with('|').then(|| line.matches(" | ").count());
@@ -414,7 +433,7 @@ mod tests {
     fn degenerate_records_have_a_report() {
         for record in degenerate_records() {
             let report = report_markdown(&record);
-            assert!(!report.contains("NaN") && !report.contains(" inf"), "{report}");
+            assert!(!report.contains("NaN") && !report.contains(" inf "), "{report}");
         }
     }
 }

@@ -1,0 +1,148 @@
+//! Logarithmic axes, which here have a place for zero.
+
+use std::ops::{Range, RangeInclusive};
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
+/// A logarithmic axis and its ticks.
+#[derive(Clone, Debug)]
+pub(super) struct LogAxis {
+    /// Decimal logarithms of the ends; a falling axis begins with the greater.
+    ends: Range<f64>,
+    /// Where zero is, as the logarithm of what is there otherwise.
+    zero: f64,
+    /// Values that are labelled.
+    pub(super) ticks: Vec<f64>,
+}
+
+impl LogAxis {
+    /// An axis around what is shown, with ticks that suit its length. Zero is drawn a decade below 1; values that are not
+    /// `possible` get no tick.
+    pub(super) fn around(values: impl Iterator<Item = f64>, possible: RangeInclusive<f64>) -> Self {
+        const ZERO: f64 = -1.0;
+        let mut any_zero = false;
+        let (low, high) = values
+            .map(|value| {
+                any_zero |= value == 0.0;
+                if value == 0.0 { ZERO } else { value.log10() }
+            })
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)));
+        // Without values, any axis will do.
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+        // Some space around the outermost marks, and enough for two ticks where all are equal.
+        let padding = (0.08 * (high - low) + 0.12).max(0.5 - (high - low) / 2.0);
+        let ends = low - padding..high + padding;
+        let decades = ends.end - ends.start;
+        let steps: &[f64] = if decades < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let every = (decades / 6.0).ceil() as i32;
+        let exponents = (ends.start.floor() as i32..=ends.end.ceil() as i32).filter(|exponent| exponent % every == 0);
+        let ticks = exponents.flat_map(|exponent| steps.iter().map(move |step| step * 10f64.powi(exponent)));
+        let mut ticks: Vec<f64> =
+            ticks.filter(|tick| ends.contains(&tick.log10()) && possible.contains(tick)).collect();
+        ticks.extend(any_zero.then_some(0.0));
+        Self { ends, zero: ZERO, ticks }
+    }
+
+    /// An axis through severities in their order, whether they rise or fall, each of which is a tick. A zero at the end
+    /// is one step beyond the others.
+    pub(super) fn through(steps: &[f64]) -> Self {
+        let logs: Vec<f64> = steps.iter().filter(|&&step| step > 0.0).map(|step| step.log10()).collect();
+        let (first, last) = (logs.first().copied().unwrap_or(0.0), logs.last().copied().unwrap_or(0.0));
+        let step = if logs.len() > 1 { (last - first) / (logs.len() - 1) as f64 } else { 1.0 };
+        let zero = last + step;
+        let end = if steps.contains(&0.0) { zero } else { last };
+        Self { ends: first - 0.4 * step..end + 0.4 * step, zero, ticks: steps.to_vec() }
+    }
+
+    /// An axis for cells side by side, one for each of `values`, which are in equal ratios; its ticks are powers of ten.
+    pub(super) fn of_cells(values: &[f64]) -> Self {
+        let (first, last) = values.first().zip(values.last()).map_or((0.0, 0.0), |(a, b)| (a.log10(), b.log10()));
+        let half = if values.len() > 1 { (last - first) / (values.len() - 1) as f64 / 2.0 } else { 0.5 };
+        let ends = first - half..last + half;
+        let range = ends.start.min(ends.end)..ends.start.max(ends.end);
+        let every = ((range.end - range.start) / 4.0).ceil() as i32;
+        let exponents = (range.start.ceil() as i32..=range.end.floor() as i32).filter(|exponent| exponent % every == 0);
+        Self { ends, zero: 0.0, ticks: exponents.map(|exponent| 10f64.powi(exponent)).collect() }
+    }
+
+    /// Where between the ends an axis [through](Self::through) severities jumps to zero.
+    pub(super) fn gap(&self) -> Option<f64> {
+        let last = self.ticks.iter().rfind(|&&tick| tick != 0.0)?;
+        (self.ticks.last() == Some(&0.0)).then(|| (self.position(*last) + self.position(0.0)) / 2.0)
+    }
+
+    /// Where between the ends a value is: 0 to 1.
+    pub(super) fn position(&self, value: f64) -> f64 {
+        let log = if value == 0.0 { self.zero } else { value.log10() };
+        (log - self.ends.start) / (self.ends.end - self.ends.start)
+    }
+}
+
+impl Ranged for LogAxis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        start + (self.position(*value) * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        // One grid line per tick, no finer ones.
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        10f64.powf(self.ends.start)..10f64.powf(self.ends.end)
+    }
+}
+
+impl ValueFormatter<f64> for LogAxis {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_at_least_two_ticks() {
+        for values in [vec![], vec![1e6], vec![20.0, 21.0], vec![0.1, 44_000.0], vec![1e-3, 4e9], vec![1e-300, 1e300]] {
+            let ticks = LogAxis::around(values.iter().copied(), 0.0..=f64::INFINITY).ticks.len();
+            assert!((2..=10).contains(&ticks), "{values:?}: {ticks}");
+        }
+    }
+
+    #[test]
+    fn zero_is_below_one_and_labelled_where_it_occurs() {
+        let axis = |values: [f64; 2]| LogAxis::around(values.into_iter(), 1.0..=f64::INFINITY);
+        assert!(axis([0.0, 5.0]).ticks.contains(&0.0) && !axis([0.5, 5.0]).ticks.contains(&0.0));
+        let with_zero = axis([0.0, 5.0]);
+        assert!(with_zero.position(0.0) > 0.0 && with_zero.position(0.0) < with_zero.position(1.0));
+        assert!(with_zero.ticks.iter().all(|&tick| tick == 0.0 || tick >= 1.0), "there is no tenth of an ulp");
+    }
+
+    #[test]
+    fn easy_is_left_and_hard_is_right() {
+        for steps in [vec![1e-1, 1e-3, 1e-6, 0.0], vec![1.0, 1e3, 1e6], vec![1e-15, 1.0, 1e15], vec![4.0, 64.0, 0.0]] {
+            let axis = LogAxis::through(&steps);
+            let positions: Vec<f64> = steps.iter().map(|&step| axis.position(step)).collect();
+            assert!(positions.is_sorted() && positions[0] > 0.0, "{steps:?}: {positions:?}");
+            assert!(positions.last() < Some(&1.0) && axis.ticks == steps, "{steps:?}");
+        }
+        assert_eq!(LogAxis::through(&[1.0, 10.0]).gap(), None);
+        let axis = LogAxis::through(&[1e-1, 1e-2, 0.0]);
+        assert!(axis.gap().is_some_and(|gap| axis.position(1e-2) < gap && gap < axis.position(0.0)));
+        for steps in [vec![], vec![0.0], vec![3.0]] {
+            let axis = LogAxis::through(&steps);
+            assert!(steps.iter().all(|&step| (0.0..=1.0).contains(&axis.position(step))), "{steps:?}");
+        }
+    }
+
+    #[test]
+    fn cells_divide_their_axis_equally() {
+        let axis = LogAxis::of_cells(&[1.0, 10.0, 100.0, 1000.0]);
+        for (i, value) in [1.0, 10.0, 100.0, 1000.0].into_iter().enumerate() {
+            assert!((axis.position(value) - (i as f64 + 0.5) / 4.0).abs() < 1e-12);
+        }
+        assert_eq!(axis.ticks, [1.0, 10.0, 100.0, 1000.0]);
+        assert_eq!(LogAxis::of_cells(&[]).ticks, [1.0]);
+    }
+}

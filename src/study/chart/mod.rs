@@ -1,0 +1,234 @@
+//! The charts, as SVG:
+//!
+//! - `speed_accuracy`: every kernel's speed against its error of `t` and against the rays it loses;
+//! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
+//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image.
+//!
+//! plotters maps values to pixels, draws the axes and writes the SVG. What must not overlap is placed here, in pixels,
+//! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
+
+mod axis;
+mod failure_map;
+mod look;
+mod panel;
+mod speed_accuracy;
+mod stability;
+
+use std::io;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::figures::{Group, groups};
+use super::record::{MapRow, Record, RegimeRow};
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
+type Pixel = (i32, i32);
+
+const INK: RGBColor = RGBColor(40, 40, 40);
+const FAINT: RGBColor = RGBColor(120, 120, 120);
+const GRID: RGBColor = RGBColor(228, 228, 228);
+
+/// Charts are at least this wide; long names widen them.
+const WIDTH: i32 = 1000;
+const LEFT: i32 = 64;
+const MARGIN: i32 = 16;
+const TEXT: f64 = 12.0;
+const TITLE: f64 = 18.0;
+/// From one line of text to the next.
+const LINE: i32 = 16;
+/// Advance of a character of [`TEXT`] size in the widest of the common monospaced faces.
+const ADVANCE: f64 = 0.605 * TEXT;
+/// The same of a proportional face, on average over a line, generously; bold is wider.
+const PROPORTIONAL: f64 = 0.58;
+
+/// The file of a chart and what it contains.
+pub(super) struct Chart {
+    pub(super) file: String,
+    pub(super) svg: String,
+}
+
+/// Every chart of a record.
+pub(super) fn charts(record: &Record) -> Vec<Chart> {
+    let groups = groups(record);
+    let (bases, instances): (Vec<_>, Vec<_>) = groups.iter().partition(|group| group.is_base());
+    let mut charts = vec![Chart { file: SPEED_ACCURACY.into(), svg: speed_accuracy::svg(record, &bases) }];
+    if !instances.is_empty() {
+        charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::svg(record, &instances) });
+    }
+    for group in bases {
+        for regime in record.regimes.iter().filter(|regime| regime.family == group.shape) {
+            charts.push(Chart { file: stability_file(regime), svg: stability::svg(record, group, regime) });
+        }
+        let maps = maps_of(record, group);
+        if !maps.is_empty() {
+            charts.push(Chart { file: failure_map_file(group), svg: failure_map::svg(record, group, &maps) });
+        }
+    }
+    charts
+}
+
+/// File of the chart of all kernels that are no instances.
+pub(super) const SPEED_ACCURACY: &str = "speed-accuracy.svg";
+/// File of the same chart of the instances.
+pub(super) const SPEED_ACCURACY_INSTANCES: &str = "speed-accuracy-instances.svg";
+
+/// File of a regime's chart.
+pub(super) fn stability_file(regime: &RegimeRow) -> String {
+    format!("stability-{}-{}.svg", regime.family, regime.name)
+}
+
+/// File of a group's failure maps.
+pub(super) fn failure_map_file(group: &Group) -> String {
+    format!("failure-map-{}.svg", group.shape)
+}
+
+/// The failure maps that are for a group.
+pub(super) fn maps_of<'a>(record: &'a Record, group: &Group) -> Vec<&'a MapRow> {
+    record.maps.iter().filter(|map| map.family == group.shape).collect()
+}
+
+/// An SVG of that size.
+fn canvas((width, height): Pixel, draw: impl FnOnce(&Area) -> Drawn) -> String {
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32)).into_drawing_area();
+    // Pages are white or dark; a chart brings its own background.
+    let drawn = root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present());
+    drawn.expect("a string takes whatever is written to it");
+    drop(root);
+    svg
+}
+
+/// A chart's message in bold, and lines below it; returns where the next line would be.
+fn header(root: &Area, width: i32, title: &str, remarks: &[String]) -> Result<i32, DrawingAreaErrorKind<io::Error>> {
+    let mut y = 10;
+    for line in wrapped(title, width - 2 * MARGIN, 1.1 * TITLE) {
+        root.draw_text(&line, &heading(TITLE), (MARGIN, y + 14))?;
+        y += 24;
+    }
+    for line in remarks.iter().flat_map(|remark| wrapped(remark, width - 2 * MARGIN, TEXT)) {
+        root.draw_text(&line, &label(TEXT, FAINT), (MARGIN, y + 10))?;
+        y += LINE;
+    }
+    Ok(y + 6)
+}
+
+/// Height of [`header`].
+fn header_height(width: i32, title: &str, remarks: &[String]) -> i32 {
+    let lines = |text: &str, size| wrapped(text, width - 2 * MARGIN, size).len() as i32;
+    16 + 24 * lines(title, 1.1 * TITLE) + LINE * remarks.iter().map(|remark| lines(remark, TEXT)).sum::<i32>()
+}
+
+/// Words in lines that are about as long as `width` allows.
+fn wrapped(text: &str, width: i32, size: f64) -> Vec<String> {
+    let most = (f64::from(width) / (PROPORTIONAL * size)) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut().filter(|line| line.chars().count() + word.chars().count() < most) {
+            Some(line) => *line = format!("{line} {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Where the record is from, for the header.
+fn machine(record: &Record) -> String {
+    let quick = if record.quick { ", quick run: fewer rays and samples" } else { "" };
+    format!("{}, {}{quick}", record.machine.cpu, record.machine.rustc)
+}
+
+/// plotters-svg writes font sizes divided by this.
+const FONT_SCALE: f64 = 1.24;
+
+/// Text that begins at a point, vertically centred on it.
+fn label(size: f64, color: RGBColor) -> TextStyle<'static> {
+    styled(FontFamily::SansSerif, FontStyle::Normal, size, color)
+}
+
+fn heading(size: f64) -> TextStyle<'static> {
+    styled(FontFamily::SansSerif, FontStyle::Bold, size, INK)
+}
+
+/// Kernel names.
+fn name(bold: bool) -> TextStyle<'static> {
+    styled(FontFamily::Monospace, if bold { FontStyle::Bold } else { FontStyle::Normal }, TEXT, INK)
+}
+
+fn styled(family: FontFamily<'static>, style: FontStyle, size: f64, color: RGBColor) -> TextStyle<'static> {
+    FontDesc::new(family, size * FONT_SCALE, style).color(&color).pos(Pos::new(HPos::Left, VPos::Center))
+}
+
+/// The same, horizontally centred.
+fn centered(style: TextStyle<'static>) -> TextStyle<'static> {
+    style.pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::fixture::{all_ids, degenerate_records, record_of};
+
+    fn sound(chart: &Chart) {
+        let svg = &chart.svg;
+        assert!(!svg.contains("NaN") && !svg.contains("inf\"") && svg.contains("</svg>"), "{}", chart.file);
+        for limit in [i32::MAX, i32::MIN] {
+            assert!(!svg.contains(&limit.to_string()), "{}", chart.file);
+        }
+    }
+
+    #[test]
+    fn every_group_regime_and_map_has_a_chart_that_names_its_kernels() {
+        let record = record_of(&all_ids());
+        let charts = charts(&record);
+        let groups = groups(&record);
+        assert_eq!(charts.len(), 2 + record.regimes.len() + 2);
+        for chart in &charts {
+            sound(chart);
+            let shown = groups.iter().filter(|group| match chart.file.as_str() {
+                SPEED_ACCURACY => group.is_base(),
+                SPEED_ACCURACY_INSTANCES => !group.is_base(),
+                file => group.is_base() && file.contains(group.shape),
+            });
+            let kernels: Vec<_> = shown.flat_map(|group| &group.kernels).collect();
+            assert!(kernels.len() >= 5, "{}", chart.file);
+            for kernel in kernels {
+                assert!(chart.svg.contains(&format!(">\n{}\n<", kernel.name)), "{}: {}", chart.file, kernel.name);
+            }
+        }
+    }
+
+    #[test]
+    fn charts_depend_on_nothing_but_the_record() {
+        let svgs = || charts(&record_of(&all_ids())).into_iter().map(|chart| chart.svg).collect::<Vec<_>>();
+        assert!(svgs() == svgs());
+    }
+
+    #[test]
+    fn degenerate_records_have_charts() {
+        for record in degenerate_records() {
+            let charts = charts(&record);
+            assert!(!charts.is_empty());
+            charts.iter().for_each(sound);
+        }
+    }
+
+    #[test]
+    fn long_titles_are_wrapped_between_words() {
+        let text = "every word of a title that is too long for one line stands in one of its lines";
+        let lines = wrapped(text, 200, TEXT);
+        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() < 30), "{lines:?}");
+        assert_eq!(lines.join(" "), text);
+    }
+
+    /// Writes the made-up record's charts and report to the folder `CHARTS`, to be looked at.
+    #[test]
+    #[ignore = "for the eye"]
+    fn write_charts() {
+        let folder = std::env::var("CHARTS").expect("CHARTS names a folder");
+        crate::study::write(&record_of(&all_ids()), folder.as_ref()).unwrap();
+        print!("{}", crate::study::terminal_table(&record_of(&all_ids()), false));
+    }
+}
