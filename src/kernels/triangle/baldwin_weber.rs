@@ -103,8 +103,8 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [row_u, row_v, row_n] = [self.u, self.v, self.n].map(P::widen_vec3);
-        let [u0, v0, n0] = [self.u0, self.v0, self.n0].map(P::widen);
+        let (row_u, row_v, row_n) = (P::widen_vec3(self.u), P::widen_vec3(self.v), P::widen_vec3(self.n));
+        let (u0, v0, n0) = (self.u0.widen(), self.v0.widen(), self.n0.widen());
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.

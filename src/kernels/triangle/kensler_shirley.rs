@@ -94,7 +94,8 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [v0, e1, e2, n] = [self.v0, self.e1, self.e2, self.n].map(P::widen_vec3);
+        let (v0, n) = (P::widen_vec3(self.v0), P::widen_vec3(self.n));
+        let (e1, e2) = (P::widen_vec3(self.e1), P::widen_vec3(self.e2));
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         let c = v0 - ray.origin;

@@ -69,7 +69,7 @@ impl Intersect<f32> for Pluecker<f32> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let [a, b, c] = [self.v0, self.v1, self.v2].map(|vertex| vertex - ray.origin);
+        let (a, b, c) = (self.v0 - ray.origin, self.v1 - ray.origin, self.v2 - ray.origin);
 
         // The weights of v1, v2 and v0, up to a common factor.
         let u = (a - c).cross(a + c).dot(ray.dir);
@@ -97,7 +97,8 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let n = P::widen_vec3(self.n);
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
-        let [a, b, c] = [self.v0, self.v1, self.v2].map(|vertex| P::widen_vec3(vertex) - ray.origin);
+        let (v0, v1, v2) = (P::widen_vec3(self.v0), P::widen_vec3(self.v1), P::widen_vec3(self.v2));
+        let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
         // The weights of v1, v2 and v0, up to a common factor.
         let u = (a - c).cross(a + c).dot(ray.dir);

@@ -51,7 +51,7 @@ impl Kernel for WoopDop<f32> {
 
 /// `p.x·q.y - p.y·q.x` with a relative error of at most 2ε.
 #[inline(always)]
-fn difference(p: Vec3, q: Vec3) -> f32 {
+fn difference((p, q): (Vec3, Vec3)) -> f32 {
     let product = p.y * q.x;
     let lost = mul_add(-p.y, q.x, product);
     mul_add(p.x, q.y, -product) + lost
@@ -59,7 +59,7 @@ fn difference(p: Vec3, q: Vec3) -> f32 {
 
 /// [`difference`] in eight lanes.
 #[inline(always)]
-fn difference8(p: Vec3x8, q: Vec3x8) -> f32x8 {
+fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
     let product = p.y * q.x;
     let lost = mul_add8(-p.y, q.x, product);
     mul_add8(p.x, q.y, -product) + lost
@@ -76,7 +76,8 @@ impl Intersect<f32> for WoopDop<f32> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
-        let weights = sheared.edges().map(|(p, q)| difference(p, q));
+        let [u, v, w] = sheared.edges();
+        let weights = [difference(u), difference(v), difference(w)];
         sheared.hit(Inside::of(weights).closed, weights, ray, setup)
     }
 }
@@ -92,7 +93,8 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
-        let weights = sheared.edges().map(|(p, q)| difference8(p, q));
+        let [u, v, w] = sheared.edges();
+        let weights = [difference8(u), difference8(v), difference8(w)];
         sheared.hit(Inside8::of(weights).closed, weights, ray, setup)
     }
 }

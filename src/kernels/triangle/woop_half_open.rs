@@ -66,8 +66,9 @@ fn tie8(p: Vec3x8, q: Vec3x8) -> Mask8 {
 }
 
 /// Whether the moved ray is inside; the weights are exact as to their signs.
-#[inline(always)]
-fn moved_inside(sheared: &Sheared, weights: [f32; 3]) -> bool {
+#[cold]
+#[inline(never)]
+fn moved_inside(sheared: Sheared, weights: [f32; 3]) -> bool {
     let edges = sheared.edges();
     let positive = [0, 1, 2].map(|edge| {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
@@ -113,7 +114,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
         let mut inside = signs.open;
         if signs.doubtful() {
             weights = sheared.exact_weights(weights);
-            inside = moved_inside(&sheared, weights);
+            inside = moved_inside(sheared, weights);
         }
         sheared.hit(inside, weights, ray, setup)
     }
