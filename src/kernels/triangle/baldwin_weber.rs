@@ -49,7 +49,7 @@ impl Kernel for BaldwinWeber<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        let [v0, v1, v2] = shape.vertices().map(|vertex| vertex.as_dvec3());
+        let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
         let (e1, e2, n) = (v1 - v0, v2 - v0, normal(shape));
         let squared = n.length_squared();
         // p - v0 = u e1 + v e2 + w n, solved by the vectors perpendicular to all but one of the three. Zero area divides
