@@ -7,8 +7,9 @@
 //!
 //! **Differs from the paper:** it drops one column by taking a coordinate axis for the third direction, which needs a
 //! branch on that axis; here the third direction is the normal, all 12 numbers are kept, and nothing branches. With the
-//! normal, `u` and `v` are as insensitive as can be to an error of the point off the plane. The map is computed in `f64`
-//! and rounded once. The third row is scaled to a greatest component of 1, so that it neither over- nor underflows.
+//! normal, `u` and `v` are as insensitive as can be to an error of the point off the plane. The map is computed in
+//! `f64` and rounded once. The third row is scaled to a greatest component of 1, so that it neither over- nor
+//! underflows.
 //!
 //! **Fails:** the constants of the three rows grow with the distance of the triangle from the coordinates' origin, and
 //! the sums with them cancel: far from the origin `u`, `v` and `t` lose digits where methods that subtract first lose

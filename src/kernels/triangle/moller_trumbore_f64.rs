@@ -9,11 +9,11 @@
 //! are rounded to `f32` once, at the end, and the interval is tested with the rounded `t`, which is the one returned.
 //! No determinant of finite `f32` over- or underflows in `f64`.
 //!
-//! **Fails:** eight lanes of `f64` are two registers, at half the speed. It leaks at edges and vertices nevertheless:
-//! a ray exactly on an edge is still rounded off it, on either side independently.
+//! **Fails:** eight lanes of `f64` are two registers, at half the speed. It leaks at edges and vertices nevertheless: a
+//! ray exactly on an edge is still rounded off it, on either side independently.
 //!
-//! **Degenerate input:** a zero determinant is a miss, without a test of its own, since `u` is then NaN or infinite. Where
-//! the determinant of a triangle of zero area is rounded to something else, it can be hit.
+//! **Degenerate input:** a zero determinant is a miss, without a test of its own, since `u` is then NaN or infinite.
+//! Where the determinant of a triangle of zero area is rounded to something else, it can be hit.
 //!
 //! **Operations:** 27 multiplications, 24 additions, 1 division, all in `f64`. 36 bytes prepared.
 

@@ -1,21 +1,21 @@
 //! `triangle/pluecker`: edge functions that both triangles at an edge agree on.
 //!
-//! **Source:** A. F. Möbius and J. Plücker's line coordinates, in the form of Embree's robust test (I. Wald, S. Woop, C.
-//! Benthin, G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014).
+//! **Source:** A. F. Möbius and J. Plücker's line coordinates, in the form of Embree's robust test (I. Wald, S. Woop,
+//! C. Benthin, G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014).
 //!
 //! **Idea:** with vertices relative to the ray's origin, the sign of `((b - a) × (a + b)) · dir` says on which side of
 //! the edge ab the ray passes; it hits if all three signs agree. Walked the other way, the difference changes its sign,
 //! the sum stays the same, and so every product and sum after them changes its sign and nothing else: the two triangles
 //! at an edge compute exactly opposite numbers and cannot both reject the ray because of that edge.
 //!
-//! **Differs from the sources:** the normal is prepared (in `f64`, rounded once), where Embree computes one for every ray
-//! by a stabilised cross product, so `t` is a plain quotient of two products with it; edge functions are compared with
-//! zero, not with an epsilon; both sides hit.
+//! **Differs from the sources:** the normal is prepared (in `f64`, rounded once), where Embree computes one for every
+//! ray by a stabilised cross product, so `t` is a plain quotient of two products with it; edge functions are compared
+//! with zero, not with an epsilon; both sides hit.
 //!
 //! **Fails:** at a vertex three and more edge functions meet, each with its own rounding, and their signs need not be
-//! those of any point: of 2,170,000 rays exactly through the hub of a fan 5,800 leaked, and none of 1,890,000 exactly through
-//! its edges. The rounding of an edge function grows with the distance times the size, so that rays
-//! near an edge are double hits or hits of the wrong neighbour, more of them from farther away.
+//! those of any point: of 2,170,000 rays exactly through the hub of a fan 5,800 leaked, and none of 1,890,000 exactly
+//! through its edges. The rounding of an edge function grows with the distance times the size, so that rays near an
+//! edge are double hits or hits of the wrong neighbour, more of them from farther away.
 //!
 //! **Degenerate input:** the prepared normal of a triangle of zero area is exactly zero, so `t` divides by zero.
 //!

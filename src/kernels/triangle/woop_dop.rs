@@ -1,18 +1,19 @@
 //! `triangle/woop_dop`: the watertight test without its fallback.
 //!
 //! **Source:** S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", 2013. Difference of products: W.
-//! Kahan, "On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic", 2004; C.-P. Jeannerod, N. Louvet,
-//! J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants", 2013.
+//! Kahan, "On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic", 2004; C.-P. Jeannerod, N.
+//! Louvet, J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants",
+//! 2013.
 //!
 //! **Idea:** one fused operation recovers what the rounding of `c·d` lost, and `a·b - c·d` has a relative error of at
 //! most 2ε, ε = 2⁻²⁴. So its sign is right and it is zero only where the exact value is: nothing is computed twice, and
 //! nothing branches.
 //!
-//! **Differs from `triangle/woop`** in the determinants alone. Both triangles at an edge need not get the same magnitude, since
-//! they round different products first, but always opposite signs.
+//! **Differs from `triangle/woop`** in the determinants alone. Both triangles at an edge need not get the same
+//! magnitude, since they round different products first, but always opposite signs.
 //!
-//! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be subnormal, so the range
-//! below ends at products of 1e-31.
+//! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be
+//! subnormal, so the range below ends at products of 1e-31.
 //!
 //! **Operations:** 22 multiplications, 28 additions, 1 division, of which 6 are fused pairs of both; setup 3 divisions.
 //! 36 bytes prepared. It exists only where the build has fused multiply-add.
