@@ -219,8 +219,8 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
     // Partial packets.
     for active in 0..8 {
         let hits = hit8(&primitives[0], &Ray::from_slice(&case.rays[..active]));
-        for lane in 0..8 {
-            let expected = if lane < active { scalar[0][lane] } else { Hit::MISS };
+        for (lane, hit) in scalar[0].into_iter().enumerate() {
+            let expected = if lane < active { hit } else { Hit::MISS };
             let face = || format!("8 rays x 1 primitive, {active} of 8 active");
             compare::<K>(face, case, 0, lane, lane, expected, hits.lane(lane))?;
         }
@@ -241,9 +241,9 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
 
     // Lane by lane.
     let hits = hit_gathered::<K>(&gathered, &Ray::from_lanes(&case.rays));
-    for lane in 0..8 {
+    for (lane, row) in scalar.iter().enumerate() {
         let face = || "8 rays x 8 primitives".into();
-        compare::<K>(face, case, lane, lane, lane, scalar[lane][lane], hits.lane(lane))?;
+        compare::<K>(face, case, lane, lane, lane, row[lane], hits.lane(lane))?;
     }
     Ok(())
 }

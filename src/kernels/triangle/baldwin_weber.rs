@@ -7,8 +7,9 @@
 //!
 //! **Differs from the paper:** it drops one column by taking a coordinate axis for the third direction, which needs a
 //! branch on that axis; here the third direction is the normal, all 12 numbers are kept, and nothing branches. With the
-//! normal, `u` and `v` are as insensitive as can be to an error of the point off the plane. The map is computed in `f64`
-//! and rounded once. The third row is scaled to a greatest component of 1, so that it neither over- nor underflows.
+//! normal, `u` and `v` are as insensitive as can be to an error of the point off the plane. The map is computed in
+//! `f64` and rounded once. The third row is scaled to a greatest component of 1, so that it neither over- nor
+//! underflows.
 //!
 //! **Fails:** the constants of the three rows grow with the distance of the triangle from the coordinates' origin, and
 //! the sums with them cancel: far from the origin `u`, `v` and `t` lose digits where methods that subtract first lose
@@ -49,7 +50,7 @@ impl Kernel for BaldwinWeber<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        let [v0, v1, v2] = shape.vertices().map(|vertex| vertex.as_dvec3());
+        let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
         let (e1, e2, n) = (v1 - v0, v2 - v0, normal(shape));
         let squared = n.length_squared();
         // p - v0 = u e1 + v e2 + w n, solved by the vectors perpendicular to all but one of the three. Zero area divides
@@ -103,8 +104,8 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [row_u, row_v, row_n] = [self.u, self.v, self.n].map(P::widen_vec3);
-        let [u0, v0, n0] = [self.u0, self.v0, self.n0].map(P::widen);
+        let (row_u, row_v, row_n) = (P::widen_vec3(self.u), P::widen_vec3(self.v), P::widen_vec3(self.n));
+        let (u0, v0, n0) = (self.u0.widen(), self.v0.widen(), self.n0.widen());
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.

@@ -98,7 +98,7 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [v0, v1, v2] = [self.v0, self.v1, self.v2].map(P::widen_vec3);
+        let (v0, v1, v2) = (P::widen_vec3(self.v0), P::widen_vec3(self.v1), P::widen_vec3(self.v2));
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin

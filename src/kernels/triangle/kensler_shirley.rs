@@ -1,14 +1,15 @@
 //! `triangle/kensler_shirley`: normal prepared, one cross product per test.
 //!
-//! **Source:** A. Kensler, P. Shirley, "Optimizing Ray-Triangle Intersection via Automated Search", 2006. The form is that
-//! of Embree's fast test, in the order of its `e1 = v0 - v1`, which saves a negation.
+//! **Source:** A. Kensler, P. Shirley, "Optimizing Ray-Triangle Intersection via Automated Search", 2006. The form is
+//! that of Embree's fast test, in the order of its `e1 = v0 - v1`, which saves a negation.
 //!
 //! **Idea:** of the many ways to share terms between the four determinants of Möller and Trumbore, the one with the
 //! normal `n` in common: `(v0 - origin) × dir` once, and four dot products, with `n` and the edges known beforehand.
 //!
-//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so that it is as good for a sliver as
-//! for any triangle; both sides hit; there is no epsilon, and no early exit. Embree compares before it divides; here the
-//! reciprocal of the determinant is multiplied in first, like everywhere in this crate, which costs no more in a packet.
+//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so that it is as good for a sliver
+//! as for any triangle; both sides hit; there is no epsilon, and no early exit. Embree compares before it divides; here
+//! the reciprocal of the determinant is multiplied in first, like everywhere in this crate, which costs no more in a
+//! packet.
 //!
 //! **Fails:** it leaks at edges and vertices like Möller–Trumbore. `t` does not suffer from slivers, since it is a
 //! quotient of two products with the prepared normal. The normal scales with the square of the size and is lost
@@ -94,7 +95,8 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [v0, e1, e2, n] = [self.v0, self.e1, self.e2, self.n].map(P::widen_vec3);
+        let (v0, n) = (P::widen_vec3(self.v0), P::widen_vec3(self.n));
+        let (e1, e2) = (P::widen_vec3(self.e1), P::widen_vec3(self.e2));
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         let c = v0 - ray.origin;

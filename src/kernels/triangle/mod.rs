@@ -24,13 +24,13 @@ pub use woop::{Shear, Shear8, Vertices, Woop};
 pub use woop_dop::WoopDop;
 pub use woop_half_open::WoopHalfOpen;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::geom::Triangle;
 
 /// `(v1 - v0) × (v2 - v0)` in `f64`. Differences of `f32` of like size are exact in `f64`, and so is a product of two
 /// of them, so that this is zero for a triangle of zero area, and its direction is good for any sliver.
 fn normal(shape: &Triangle) -> DVec3 {
-    let [v0, v1, v2] = shape.vertices().map(|vertex| vertex.as_dvec3());
+    let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
     (v1 - v0).cross(v2 - v0)
 }

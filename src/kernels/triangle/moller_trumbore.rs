@@ -89,7 +89,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [v0, e1, e2] = [self.v0, self.e1, self.e2].map(P::widen_vec3);
+        let (v0, e1, e2) = (P::widen_vec3(self.v0), P::widen_vec3(self.e1), P::widen_vec3(self.e2));
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         let p = ray.dir.cross(e2);

@@ -9,11 +9,11 @@
 //! are rounded to `f32` once, at the end, and the interval is tested with the rounded `t`, which is the one returned.
 //! No determinant of finite `f32` over- or underflows in `f64`.
 //!
-//! **Fails:** eight lanes of `f64` are two registers, at half the speed. It leaks at edges and vertices nevertheless:
-//! a ray exactly on an edge is still rounded off it, on either side independently.
+//! **Fails:** eight lanes of `f64` are two registers, at half the speed. It leaks at edges and vertices nevertheless: a
+//! ray exactly on an edge is still rounded off it, on either side independently.
 //!
-//! **Degenerate input:** a zero determinant is a miss, without a test of its own, since `u` is then NaN or infinite. Where
-//! the determinant of a triangle of zero area is rounded to something else, it can be hit.
+//! **Degenerate input:** a zero determinant is a miss, without a test of its own, since `u` is then NaN or infinite.
+//! Where the determinant of a triangle of zero area is rounded to something else, it can be hit.
 //!
 //! **Operations:** 27 multiplications, 24 additions, 1 division, all in `f64`. 36 bytes prepared.
 
@@ -86,7 +86,7 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let [v0, v1, v2] = [self.v0, self.v1, self.v2].map(|vertex| vertex.as_dvec3());
+        let (v0, v1, v2) = (self.v0.as_dvec3(), self.v1.as_dvec3(), self.v2.as_dvec3());
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
 
         let (e1, e2) = (v1 - v0, v2 - v0);
@@ -113,7 +113,8 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let [v0, v1, v2] = [self.v0, self.v1, self.v2].map(|vertex| double8(P::widen_vec3(vertex)));
+        let (v0, v1, v2) = (P::widen_vec3(self.v0), P::widen_vec3(self.v1), P::widen_vec3(self.v2));
+        let (v0, v1, v2) = (double8(v0), double8(v1), double8(v2));
         let (origin, dir) = (double8(ray.origin), double8(ray.dir));
         let (zero, one) = (f64x8::splat(0.0), f64x8::splat(1.0));
 

@@ -1,20 +1,21 @@
 //! `triangle/woop_dop`: the watertight test without its fallback.
 //!
 //! **Source:** S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", 2013. Difference of products: W.
-//! Kahan, "On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic", 2004; C.-P. Jeannerod, N. Louvet,
-//! J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants", 2013.
+//! Kahan, "On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic", 2004; C.-P. Jeannerod, N.
+//! Louvet, J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants",
+//! 2013.
 //!
 //! **Idea:** one fused operation recovers what the rounding of `c·d` lost, and `a·b - c·d` has a relative error of at
 //! most 2ε, ε = 2⁻²⁴. So its sign is right and it is zero only where the exact value is: nothing is computed twice, and
 //! nothing branches.
 //!
-//! **Differs from `triangle/woop`** in the determinants alone. Both triangles at an edge need not get the same magnitude, since
-//! they round different products first, but always opposite signs.
+//! **Differs from `triangle/woop`** in the determinants alone. Both triangles at an edge need not get the same
+//! magnitude, since they round different products first, but always opposite signs.
 //!
-//! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be subnormal, so the range
-//! below ends at products of 1e-31.
+//! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be
+//! subnormal, so the range below ends at products of 1e-31.
 //!
-//! **Operations:** 25 multiplications, 28 additions, 1 division, of which 6 are fused pairs of both; setup 3 divisions.
+//! **Operations:** 22 multiplications, 28 additions, 1 division, of which 6 are fused pairs of both; setup 3 divisions.
 //! 36 bytes prepared. It exists only where the build has fused multiply-add.
 
 use glam::Vec3;
@@ -36,7 +37,7 @@ impl Kernel for WoopDop<f32> {
         id: Id::of("triangle/woop_dop"),
         idea: "watertight shear, signs by Kahan's difference of products: no branch",
         source: "Woop, Benthin, Wald, 2013; Jeannerod, Louvet, Muller, \"Further analysis of Kahan's algorithm\", 2013",
-        operations: Operations { mul: 25, add: 28, div: 1 },
+        operations: Operations { mul: 22, add: 28, div: 1 },
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
     };
 
@@ -51,7 +52,7 @@ impl Kernel for WoopDop<f32> {
 
 /// `p.x·q.y - p.y·q.x` with a relative error of at most 2ε.
 #[inline(always)]
-fn difference(p: Vec3, q: Vec3) -> f32 {
+fn difference((p, q): (Vec3, Vec3)) -> f32 {
     let product = p.y * q.x;
     let lost = mul_add(-p.y, q.x, product);
     mul_add(p.x, q.y, -product) + lost
@@ -59,7 +60,7 @@ fn difference(p: Vec3, q: Vec3) -> f32 {
 
 /// [`difference`] in eight lanes.
 #[inline(always)]
-fn difference8(p: Vec3x8, q: Vec3x8) -> f32x8 {
+fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
     let product = p.y * q.x;
     let lost = mul_add8(-p.y, q.x, product);
     mul_add8(p.x, q.y, -product) + lost
@@ -76,7 +77,8 @@ impl Intersect<f32> for WoopDop<f32> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
-        let weights = sheared.edges().map(|(p, q)| difference(p, q));
+        let [u, v, w] = sheared.edges();
+        let weights = [difference(u), difference(v), difference(w)];
         sheared.hit(Inside::of(weights).closed, weights, ray, setup)
     }
 }
@@ -92,7 +94,8 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
-        let weights = sheared.edges().map(|(p, q)| difference8(p, q));
+        let [u, v, w] = sheared.edges();
+        let weights = [difference8(u), difference8(v), difference8(w)];
         sheared.hit(Inside8::of(weights).closed, weights, ray, setup)
     }
 }
