@@ -24,8 +24,8 @@ pub(crate) type Int3 = [i64; 3];
 const STEP: i64 = 16;
 /// No coordinate of a vertex is greater, so that differences have 24 bits.
 const REACH: i64 = 1 << 23;
-/// A triangle that is split leaves none lower than this: kernels that project rounded coordinates would fold flatter ones
-/// over, and no ray is aimed at what a rounding of the coordinates turns around.
+/// The lowest triangle that splitting may leave. Rounded coordinates move a ray by up to a few units: by that much a
+/// flatter triangle could be turned over, and the ray through a sixteenth of an edge be one through its end.
 const LEAST_ALTITUDE: i64 = 64 * STEP;
 
 pub(crate) fn minus(a: Int3, b: Int3) -> Int3 {
@@ -308,7 +308,7 @@ impl Mesh {
         let fans: Vec<_> = fans.into_iter().enumerate().filter(|(_, faces)| !faces.is_empty()).collect();
         assert!(!edges.is_empty() && !fans.is_empty(), "{}: nothing inside", self.name);
 
-        let boxes = self.boxes();
+        let (boxes, reach) = (self.boxes(), self.reach());
         let mut random = Random(seed);
         let mut shots = Vec::new();
         for index in 0..count {
@@ -333,7 +333,7 @@ impl Mesh {
                 around.clear();
                 self.move_off(&mut ray, &mut random);
             }
-            let groups = self.groups(point, &boxes);
+            let groups = self.groups(point, &boxes, reach);
             let shot = Shot { ray, target, around, groups };
             self.confirm(&shot);
             shots.push(shot);
@@ -368,15 +368,18 @@ impl Mesh {
         self.faces.chunks(8).map(group).collect()
     }
 
-    /// The groups that a ray through `point` can hit.
+    /// How far from its target a ray can hit anything, along x and along y.
     ///
     /// All of a height field lies between two heights. Between these, a ray that is nowhere flatter than 45° is no further
-    /// from its target, along x and along y, than they are from each other; and what lies further from it than the
-    /// margin is not hit by any rounding, which moves nothing by more than an ulp or two of the greatest coordinate. From
-    /// inside, everything is in reach.
-    fn groups(&self, point: Int3, boxes: &[[[i64; 2]; 2]]) -> Vec<u32> {
+    /// from its target than they are from each other. What lies beyond the margin is not hit by any rounding, which
+    /// moves nothing by more than an ulp or two of the greatest coordinate.
+    fn reach(&self) -> i64 {
         let heights = || self.vertices.iter().map(|vertex| vertex[2]);
-        let reach = heights().max().unwrap() - heights().min().unwrap() + 4 * STEP;
+        heights().max().unwrap() - heights().min().unwrap() + 4 * STEP
+    }
+
+    /// The groups that a ray through `point` can hit: from inside, all of them.
+    fn groups(&self, point: Int3, boxes: &[[[i64; 2]; 2]], reach: i64) -> Vec<u32> {
         let near = |group: &[[i64; 2]; 2]| {
             [0, 1].iter().all(|&axis| {
                 let [least, greatest] = group[axis];
