@@ -14,6 +14,7 @@ use std::time::Instant;
 use glam::Vec3;
 use raylanes::geom::{Ray, Triangle};
 use raylanes::kernels::{Claim, Intersect, Kernel};
+use raylanes::oracle::Exact;
 use raylanes::registry::{self, Visitor};
 use rayon::prelude::*;
 use wide::f32x8;
@@ -180,9 +181,10 @@ fn on_mesh<K: Kernel<Shape = Triangle>>(mesh: &Mesh, shots: &[Shot]) -> Tallies 
         };
         for (claim, broken) in [(watertight, leaks), (Claim::SingleHit, hits.len() != 1)] {
             tallies.of(claim).count(1, broken.into(), || {
-                let others = hits.iter().filter(|hit| shot.around.binary_search(hit).is_err());
-                let involved = shot.around.iter().chain(others).map(|&triangle| {
-                    (triangle, mesh.triangles[triangle as usize], hits.binary_search(&triangle).is_ok())
+                let in_reach = || shot.groups.iter().flat_map(|group| 8 * group..8 * group + 8);
+                let involved = in_reach().filter_map(|index| {
+                    let (triangle, reported) = (mesh.triangles[index as usize], hits.binary_search(&index).is_ok());
+                    (reported || triangle.truth(&shot.ray).hit).then_some((index, triangle, reported))
                 });
                 format!("{}\n{}", mesh.name, describe(&shot.ray, &involved.collect::<Vec<_>>()))
             });
@@ -192,7 +194,7 @@ fn on_mesh<K: Kernel<Shape = Triangle>>(mesh: &Mesh, shots: &[Shot]) -> Tallies 
     shots.par_iter().fold(Tallies::default, fire).reduce(Tallies::default, Tallies::plus)
 }
 
-/// The ray, and the first of these triangles, by number, in decimal and in bits.
+/// The ray, and the first of these triangles, which it hits or is reported to hit: by number, in decimal and in bits.
 fn describe(ray: &Ray<f32>, triangles: &[(u32, Triangle, bool)]) -> String {
     let point = |p: Vec3| {
         let [x, y, z] = p.to_array().map(f32::to_bits);
