@@ -158,7 +158,7 @@ impl Mesh {
     pub(crate) fn fan(count: usize, seed: u64) -> Self {
         let mut random = Random(seed);
         let slope = (random.below(9) as f64 - 4.0) / 16.0;
-        let mut fraction = || random.below(1 << 20) as f64 / (1 << 20) as f64;
+        let mut fraction = || random.below(1 << 20) as f64 / f64::from(1 << 20);
         let round = |x: f64| x as i64 / STEP * STEP;
         let mut vertices = vec![[0, 0, 0]];
         for index in 0..count {
@@ -245,7 +245,7 @@ impl Mesh {
     fn assert_facing(&self, origin: Int3, dir: Int3) {
         match self.side {
             Side::Above => {
-                assert!(dir[2] != 0 && dir[0].abs().max(dir[1].abs()) <= dir[2].abs(), "{dir:?} is too flat")
+                assert!(dir[2] != 0 && dir[0].abs().max(dir[1].abs()) <= dir[2].abs(), "{dir:?} is too flat");
             }
             // An origin behind every face is behind all that a ray from there can reach.
             Side::Inside => {
