@@ -1,0 +1,442 @@
+//! Meshes of whole numbers, and rays that meet their edges and vertices exactly.
+//!
+//! Every coordinate is a whole number of at most 24 bits, times one power of two: `f32` holds the points, their
+//! differences, and so the direction from one to another, without rounding. A ray that is aimed at a point of an edge
+//! passes exactly through it.
+//!
+//! All triangles of a mesh face a ray the same way. At a silhouette two neighbours face opposite ways: both lie on the same
+//! side of the edge they share, and a ray that touches the edge may pass beside both, or enter through one and leave
+//! through the other. None or two hits are right there, and no leak, so such rays would prove nothing.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use glam::Vec3;
+use raylanes::geom::{Ray, Triangle};
+use raylanes::oracle::Exact;
+
+use crate::random::Random;
+
+/// A point or a direction, in units of the mesh.
+pub(crate) type Int3 = [i64; 3];
+
+/// Vertices are multiples of this, so that sixteenths of an edge are whole numbers too.
+const STEP: i64 = 16;
+/// No coordinate of a vertex is greater, so that differences have 24 bits.
+const REACH: i64 = 1 << 23;
+/// The lowest triangle that splitting may leave. Rounded coordinates move a ray by up to a few units: by that much a
+/// flatter triangle could be turned over, and the ray through a sixteenth of an edge be one through its end.
+const LEAST_ALTITUDE: i64 = 64 * STEP;
+
+pub(crate) fn minus(a: Int3, b: Int3) -> Int3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a + b·factor`.
+pub(crate) fn plus(a: Int3, b: Int3, factor: i64) -> Int3 {
+    [a[0] + b[0] * factor, a[1] + b[1] * factor, a[2] + b[2] * factor]
+}
+
+/// Exact for differences of points, whose products have 49 bits.
+pub(crate) fn cross(a: Int3, b: Int3) -> Int3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn dot(a: Int3, b: Int3) -> i128 {
+    (0..3).map(|axis| i128::from(a[axis]) * i128::from(b[axis])).sum()
+}
+
+/// The same point in `f32`, which must hold it exactly.
+pub(crate) fn exactly(point: Int3) -> Vec3 {
+    let rounded = point.map(|x| x as f32);
+    assert_eq!(rounded.map(|x| x as i64), point, "more than 24 bits");
+    Vec3::from(rounded)
+}
+
+/// Whether `origin + t·dir` passes exactly through `target` at a positive `t`.
+pub(crate) fn is_aimed(origin: Int3, dir: Int3, target: Int3) -> bool {
+    let way = minus(target, origin);
+    cross(way, dir) == [0; 3] && dot(way, dir) > 0
+}
+
+/// How a mesh stands in the world: its axes exchanged and mirrored, its unit a power of two.
+#[derive(Clone, Copy)]
+struct Frame {
+    axes: [usize; 3],
+    signs: Vec3,
+    unit: f32,
+}
+
+impl Frame {
+    fn random(random: &mut Random) -> Self {
+        let mut axes = [0, 1, 2];
+        axes.rotate_left(random.below(3));
+        axes[..2].rotate_left(random.below(2));
+        let signs = Vec3::from_array([(); 3].map(|()| if random.below(2) == 0 { 1.0 } else { -1.0 }));
+        // The volumes that some kernels compute are products of three coordinates: neither these nor their roundings
+        // leave the normal numbers.
+        Self { axes, signs, unit: 2f32.powi(8 - random.below(37) as i32) }
+    }
+
+    fn vector(&self, vector: Vec3) -> Vec3 {
+        Vec3::from_array(self.axes.map(|axis| vector[axis])) * self.signs * self.unit
+    }
+}
+
+/// From where a mesh is shot at.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    /// From above or below, nowhere flatter than 45°: the mesh is a height field with lower slopes.
+    Above,
+    /// From near its centre: the mesh is closed and star-shaped.
+    Inside,
+}
+
+/// What a ray is aimed at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    Edge,
+    Vertex,
+}
+
+/// A ray, with all that it can hit.
+pub(crate) struct Shot {
+    pub ray: Ray<f32>,
+    pub target: Target,
+    /// The triangles that the ray hits, all of them on their boundary; empty for a ray one ulp off.
+    pub around: Vec<u32>,
+    /// Groups of eight consecutive triangles, outside of which nothing can be hit.
+    pub groups: Vec<u32>,
+}
+
+pub(crate) struct Mesh {
+    pub name: String,
+    pub triangles: Vec<Triangle>,
+    side: Side,
+    frame: Frame,
+    vertices: Vec<Int3>,
+    faces: Vec<[usize; 3]>,
+}
+
+impl Mesh {
+    /// A lattice of `columns` by `rows` cells, its vertices and heights moved about and its cells cut along either diagonal;
+    /// random triangles are then split in three until there are `total`. The cells are `cell` wide, or, for 0, as wide
+    /// as fits.
+    pub(crate) fn lattice(columns: i64, rows: i64, total: usize, cell: i64, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let most = REACH * 3 / 2 / columns.max(rows);
+        let cell = if cell == 0 { most } else { cell * STEP };
+        let mut about = |range: i64| (random.below(2 * range as usize + 1) as i64 - range).div_euclid(STEP) * STEP;
+        let mut vertices = Vec::new();
+        for row in 0..=rows {
+            for column in 0..=columns {
+                let corner = [(2 * column - columns) * cell / 2, (2 * row - rows) * cell / 2].map(|x| x / STEP * STEP);
+                vertices.push([corner[0] + about(cell / 8), corner[1] + about(cell / 8), about(cell / 32)]);
+            }
+        }
+        let mut faces = Vec::new();
+        for row in 0..rows {
+            for column in 0..columns {
+                let index = |x: i64, y: i64| ((row + y) * (columns + 1) + column + x) as usize;
+                let (a, b, c, d) = (index(0, 0), index(1, 0), index(1, 1), index(0, 1));
+                faces.extend(if random.below(2) == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+            }
+        }
+        while faces.len() < total {
+            split(&mut vertices, &mut faces, &mut random);
+        }
+        Self::new(
+            format!("lattice {columns}x{rows}, {total} triangles, seed {seed}"),
+            Side::Above,
+            vertices,
+            faces,
+            random,
+        )
+    }
+
+    /// `count` triangles around one vertex.
+    pub(crate) fn fan(count: usize, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let slope = (random.below(9) as f64 - 4.0) / 16.0;
+        let mut fraction = || random.below(1 << 20) as f64 / f64::from(1 << 20);
+        let round = |x: f64| x as i64 / STEP * STEP;
+        let mut vertices = vec![[0, 0, 0]];
+        for index in 0..count {
+            let angle = TAU * (index as f64 + fraction() / 4.0) / count as f64;
+            let radius = REACH as f64 * (0.75 + fraction() / 4.0);
+            let height = radius * (slope + (fraction() - 0.5) / count as f64);
+            vertices.push([radius * angle.cos(), radius * angle.sin(), height].map(round));
+        }
+        let faces = (1..=count).map(|index| [0, index, index % count + 1]).collect();
+        Self::new(format!("fan of {count} triangles, seed {seed}"), Side::Above, vertices, faces, random)
+    }
+
+    /// An octahedron, each triangle cut in four `levels` times, its vertices moved out to about the same distance.
+    pub(crate) fn star(levels: u32, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let radius = REACH / 2;
+        let mut vertices = Vec::new();
+        for axis in 0..3 {
+            for sign in [1, -1] {
+                let mut vertex = [0; 3];
+                vertex[axis] = sign * (radius - random.below(radius as usize / 4) as i64) / STEP * STEP;
+                vertices.push(vertex);
+            }
+        }
+        let mut faces = vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        for level in 1..=levels {
+            let mut middles = BTreeMap::new();
+            let mut middle = |a: usize, b: usize| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    let sum = plus(vertices[a], vertices[b], 1).map(|x| x as f64);
+                    let length = sum.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    let room = radius >> (level + 3);
+                    let wanted = (radius * 7 / 8 + random.below(room as usize) as i64) as f64;
+                    vertices.push(sum.map(|x| (x / length * wanted) as i64 / STEP * STEP));
+                    vertices.len() - 1
+                })
+            };
+            faces = faces
+                .iter()
+                .flat_map(|&[a, b, c]| {
+                    let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+                })
+                .collect();
+        }
+        Self::new(format!("star of {} triangles, seed {seed}", faces.len()), Side::Inside, vertices, faces, random)
+    }
+
+    fn new(name: String, side: Side, vertices: Vec<Int3>, mut faces: Vec<[usize; 3]>, mut random: Random) -> Self {
+        // Neighbours become neighbours in the list too, so that few groups of eight suffice for a ray.
+        faces.sort_by_cached_key(|face| along_a_curve(vertices[face[0]]));
+        for face in &mut faces {
+            face.rotate_left(random.below(3));
+        }
+        let frame = Frame::random(&mut random);
+        let at = |index: usize| frame.vector(exactly(vertices[index]));
+        let triangles = faces.iter().map(|&[a, b, c]| Triangle { v0: at(a), v1: at(b), v2: at(c) }).collect();
+        let mesh = Self { name, triangles, side, frame, vertices, faces };
+        if side == Side::Above {
+            mesh.assert_facing_all_from_above();
+        }
+        mesh
+    }
+
+    fn corners(&self, face: usize) -> [Int3; 3] {
+        self.faces[face].map(|index| self.vertices[index])
+    }
+
+    fn normal(&self, face: usize) -> Int3 {
+        let [a, b, c] = self.corners(face);
+        cross(minus(b, a), minus(c, a))
+    }
+
+    /// A triangle faces all directions between the four corner directions if it faces these: the cosine's sign is that of
+    /// a linear function.
+    fn assert_facing_all_from_above(&self) {
+        for face in 0..self.faces.len() {
+            for corner in [[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]] {
+                assert!(dot(self.normal(face), corner) > 0, "{}: triangle {face} is too steep", self.name);
+            }
+        }
+    }
+
+    fn assert_facing(&self, origin: Int3, dir: Int3) {
+        match self.side {
+            Side::Above => {
+                assert!(dir[2] != 0 && dir[0].abs().max(dir[1].abs()) <= dir[2].abs(), "{dir:?} is too flat");
+            }
+            // An origin behind every face is behind all that a ray from there can reach.
+            Side::Inside => {
+                for face in 0..self.faces.len() {
+                    let way = minus(self.vertices[self.faces[face][0]], origin);
+                    assert!(dot(way, self.normal(face)) > 0, "{}: {origin:?} is before triangle {face}", self.name);
+                }
+            }
+        }
+    }
+
+    /// Origin and direction of a ray through `target`.
+    fn aim(&self, target: Int3, random: &mut Random) -> (Int3, Int3) {
+        let mut within = |range: i64| random.below(2 * range as usize + 1) as i64 - range;
+        if self.side == Side::Inside {
+            let origin = [(); 3].map(|()| if within(4) == 0 { 0 } else { within(REACH / 64) });
+            let way = minus(target, origin);
+            let divisor = 1 << way.iter().fold(0, |bits, x| bits | x).trailing_zeros();
+            let stretch = within(1).abs() * 2 + 1;
+            return (origin, way.map(|x| x / divisor * stretch));
+        }
+        // Downwards; how far it is to the target, in such steps; how long the direction is, in such steps.
+        let (step, count, stretch) = match within(2) {
+            -2 => ([0, 0, -1], within(REACH).abs() + 1, 1 << within(8).abs()),
+            -1 => ([within(1), within(1), -1], within(REACH).abs() + 1, 1 << within(8).abs()),
+            0 => {
+                let steep = within(4).abs() + 5;
+                ([within(steep), within(steep), -steep], within(REACH / 16).abs() + 1, 3)
+            }
+            1 => {
+                let steep = within(REACH - 1).abs() + 1;
+                ([within(steep), within(steep), -steep], 1, 1)
+            }
+            _ => {
+                let steep = within(REACH / 2).abs() + 1;
+                ([within(steep), within(steep), -steep], 1, 3)
+            }
+        };
+        let step = if within(1) == 0 { step.map(|x| -x) } else { step };
+        let stretch = if step.iter().any(|x| x * stretch >= 1 << 24) { 1 } else { stretch };
+        (plus(target, step, -count), step.map(|x| x * stretch))
+    }
+
+    /// `count` rays, half of them aimed at edges and half at vertices, neither on the border of the mesh. One in four then
+    /// passes one ulp beside its target.
+    pub(crate) fn shots(&self, count: usize, seed: u64) -> Vec<Shot> {
+        let mut edges = BTreeMap::<_, Vec<u32>>::new();
+        let mut fans = vec![Vec::new(); self.vertices.len()];
+        for (face, &corners) in (0..).zip(&self.faces) {
+            for side in 0..3 {
+                let (a, b) = (corners[side], corners[(side + 1) % 3]);
+                edges.entry((a.min(b), a.max(b))).or_default().push(face);
+                fans[a].push(face);
+            }
+        }
+        for (&(a, b), _) in edges.iter().filter(|(_, faces)| faces.len() == 1) {
+            (fans[a], fans[b]) = (Vec::new(), Vec::new());
+        }
+        let edges: Vec<_> = edges.into_iter().filter(|(_, faces)| faces.len() == 2).collect();
+        let fans: Vec<_> = fans.into_iter().enumerate().filter(|(_, faces)| !faces.is_empty()).collect();
+        assert!(!edges.is_empty() && !fans.is_empty(), "{}: nothing inside", self.name);
+
+        let (boxes, reach) = (self.boxes(), self.reach());
+        let mut random = Random(seed);
+        let mut shots = Vec::new();
+        for index in 0..count {
+            let (point, target, around) = if index % 2 == 0 {
+                let ((a, b), around) = &edges[random.below(edges.len())];
+                let (a, b) = (self.vertices[*a], self.vertices[*b]);
+                let sixteenths = 1 + random.below(15) as i64;
+                (plus(a, minus(b, a).map(|x| x / STEP), sixteenths), Target::Edge, around)
+            } else {
+                let (vertex, around) = &fans[random.below(fans.len())];
+                (self.vertices[*vertex], Target::Vertex, around)
+            };
+            let (origin, dir) = self.aim(point, &mut random);
+            assert!(is_aimed(origin, dir, point), "{origin:?} + t {dir:?} passes {point:?}");
+            self.assert_facing(origin, dir);
+
+            let zeros = [(); 3].map(|()| if random.below(2) == 0 { 0.0 } else { -0.0 });
+            let signed = Vec3::select(exactly(dir).cmpeq(Vec3::ZERO), Vec3::from(zeros), exactly(dir));
+            let mut ray = Ray::new(self.frame.vector(exactly(origin)), self.frame.vector(signed));
+            let mut around = around.clone();
+            if random.below(4) == 0 {
+                around.clear();
+                self.move_off(&mut ray, &mut random);
+            }
+            let groups = self.groups(point, &boxes, reach);
+            let shot = Shot { ray, target, around, groups };
+            self.confirm(&shot);
+            shots.push(shot);
+        }
+        shots
+    }
+
+    /// Moves the origin by one ulp, across the direction.
+    fn move_off(&self, ray: &mut Ray<f32>, random: &mut Random) {
+        let steepest = ray.dir.abs().max_position();
+        let axis = (steepest + 1 + random.below(2)) % 3;
+        let x = ray.origin[axis];
+        // Next to zero come subnormal numbers, about which kernels promise nothing.
+        let step = self.frame.unit / 1024.0;
+        ray.origin[axis] = match (x == 0.0, random.below(2) == 0) {
+            (false, true) => x.next_up(),
+            (false, false) => x.next_down(),
+            (true, true) => step,
+            (true, false) => -step,
+        };
+    }
+
+    /// Least and greatest x and y of each group of eight triangles.
+    fn boxes(&self) -> Vec<[[i64; 2]; 2]> {
+        assert!(self.faces.len().is_multiple_of(8));
+        let group = |faces: &[[usize; 3]]| {
+            [0, 1].map(|axis| {
+                let all = || faces.as_flattened().iter().map(|&index| self.vertices[index][axis]);
+                [all().min().unwrap(), all().max().unwrap()]
+            })
+        };
+        self.faces.chunks(8).map(group).collect()
+    }
+
+    /// How far from its target a ray can hit anything, along x and along y.
+    ///
+    /// All of a height field lies between two heights. Between these, a ray that is nowhere flatter than 45° is no further
+    /// from its target than they are from each other. What lies beyond the margin is not hit by any rounding, which
+    /// moves nothing by more than an ulp or two of the greatest coordinate.
+    fn reach(&self) -> i64 {
+        let heights = || self.vertices.iter().map(|vertex| vertex[2]);
+        heights().max().unwrap() - heights().min().unwrap() + 4 * STEP
+    }
+
+    /// The groups that a ray through `point` can hit: from inside, all of them.
+    fn groups(&self, point: Int3, boxes: &[[[i64; 2]; 2]], reach: i64) -> Vec<u32> {
+        let near = |group: &[[i64; 2]; 2]| {
+            [0, 1].iter().all(|&axis| {
+                let [least, greatest] = group[axis];
+                least - reach <= point[axis] && point[axis] <= greatest + reach
+            })
+        };
+        let inside = self.side == Side::Inside;
+        (0..).zip(boxes).filter(|(_, group)| inside || near(group)).map(|(index, _)| index).collect()
+    }
+
+    /// The oracle says the same: of all triangles in reach those around the target are hit, on their boundary, and no
+    /// others. One ulp beside it, at least one is hit.
+    fn confirm(&self, shot: &Shot) {
+        let mut hits = 0;
+        for triangle in shot.groups.iter().flat_map(|group| 8 * group..8 * group + 8) {
+            let truth = self.triangles[triangle as usize].truth(&shot.ray);
+            hits += usize::from(truth.hit);
+            if truth.hit && !shot.around.is_empty() {
+                let expected = truth.boundary && shot.around.binary_search(&triangle).is_ok();
+                assert!(expected, "{}: {:?} hits triangle {triangle}", self.name, shot.ray);
+            }
+        }
+        let enough = if shot.around.is_empty() { hits > 0 } else { hits == shot.around.len() };
+        assert!(enough, "{}: {:?} hits {hits}, not {:?}", self.name, shot.ray, shot.around);
+    }
+}
+
+/// Puts a vertex into a random triangle, unless a flat triangle would come of it.
+fn split(vertices: &mut Vec<Int3>, faces: &mut Vec<[usize; 3]>, random: &mut Random) {
+    let chosen = random.below(faces.len());
+    let [a, b, c] = faces[chosen];
+    let (u, v) = (4 + random.below(5) as i64, 4 + random.below(5) as i64);
+    let weighted = |axis: usize| {
+        let [a, b, c] = [a, b, c].map(|index| vertices[index][axis]);
+        (a * (16 - u - v) + b * u + c * v) / 16 / STEP * STEP
+    };
+    let inner = [weighted(0), weighted(1), weighted(2)];
+    let altitude = |[p, q, r]: [Int3; 3]| {
+        let flat = |[x, y, _]: Int3| [x, y, 0];
+        let edges = [minus(q, p), minus(r, q), minus(p, r)].map(flat);
+        let longest = edges.iter().map(|&edge| (dot(edge, edge) as f64).sqrt()).fold(0.0, f64::max);
+        (cross(edges[0], edges[1])[2] as f64 / longest) as i64
+    };
+    let lowest = [[a, b], [b, c], [c, a]].map(|edge| altitude([vertices[edge[0]], vertices[edge[1]], inner]));
+    let lowest = lowest.into_iter().min().unwrap();
+    if lowest >= LEAST_ALTITUDE {
+        let range = lowest / 64 / STEP;
+        let height = (random.below(2 * range as usize + 1) as i64 - range) * STEP;
+        vertices.push(plus(inner, [0, 0, 1], height));
+        let inner = vertices.len() - 1;
+        faces[chosen] = [a, b, inner];
+        faces.extend([[b, c, inner], [c, a, inner]]);
+    }
+}
+
+/// Position along a Z-shaped curve through the plane.
+fn along_a_curve([x, y, _]: Int3) -> u64 {
+    let [x, y] = [x, y].map(|x| (x + 2 * REACH) as u64);
+    (0..26).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
+}
