@@ -239,7 +239,8 @@ impl Numbers<'_> {
             Written::Digits => {
                 let digits = self.text[number.span()].replace('_', "");
                 let line = self.line(number.span().start);
-                let value: f32 = digits.parse().map_err(|_| format!("line {line}: {digits} is not a decimal number"))?;
+                let value: f32 =
+                    digits.parse().map_err(|_| format!("line {line}: {digits} is not a decimal number"))?;
                 if value.is_infinite() && !digits.contains("inf") {
                     return Err(format!("line {line}: {digits} is beyond f32"));
                 }
@@ -363,9 +364,8 @@ fn packet_differs<K: Kernel>(
     scalar: &Hit<f32>,
 ) -> Option<String> {
     (0..8).find_map(|lane| {
-        let packet = Ray::from_lanes(&std::array::from_fn(|other| {
-            cases[(index + (other + 8 - lane) % 8) % cases.len()].ray
-        }));
+        let packet =
+            Ray::from_lanes(&std::array::from_fn(|other| cases[(index + (other + 8 - lane) % 8) % cases.len()].ray));
         let got = Intersect::<f32x8>::hit(primitive, &packet).lane(lane);
         (got.to_bits() != scalar.to_bits()).then(|| {
             let (name, id) = (&cases[index].name, K::INFO.id);
@@ -544,9 +544,8 @@ impl Pinned {
 
     /// The file that pins what this build got, and keeps the lines of kernels that it lacks where they were.
     fn blessed(&self, name: &str, got: &[Outcome]) -> String {
-        let mut order: Vec<&str> = got.first().map_or(vec![], |outcome| {
-            outcome.lines.iter().map(|(kernel, _)| kernel.as_str()).collect()
-        });
+        let mut order: Vec<&str> =
+            got.first().map_or(vec![], |outcome| outcome.lines.iter().map(|(kernel, _)| kernel.as_str()).collect());
         for kernel in self.absent(got).filter(|kernel| is_written(kernel)) {
             let position = self.kernels.iter().position(|pinned| pinned == kernel).unwrap();
             let before = self.kernels[..position].iter().rev();
