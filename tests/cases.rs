@@ -585,3 +585,41 @@ fn is_written(kernel: &str) -> bool {
     let files = sources(PathBuf::from("src/kernels"));
     files.iter().any(|file| fs::read_to_string(file).unwrap().contains(&quoted))
 }
+
+// ---- The checks above, checked -------------------------------------------------------------------------------------
+
+#[test]
+fn numbers_are_read_to_the_bit() {
+    // By way of f64 the first would be 1.0: a tie there, which the digits that f64 drops decide.
+    let text = r#"
+        [[case]]
+        name = "numbers"
+        source = "this test"
+        why = "each kind of number"
+        boxes = [{ lo = [1.00000005960464477539062500000001, -0.0, 0], hi = [inf, "0x3f800001", 16_777_217], truth = "miss" }]
+        ray = { origin = [0, -0, 1e-45], dir = ["0x7fc00000", 0, 0], t_min = -inf }
+    "#;
+    let case = &parse_cases::<BoxData>(text).unwrap()[0];
+    let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+    assert_eq!(bits(case.shapes[0].lo), [0x3f80_0001, 0x8000_0000, 0]);
+    assert_eq!(bits(case.shapes[0].hi), [0x7f80_0000, 0x3f80_0001, 0x4b80_0000]);
+    assert_eq!(bits(case.ray.origin), [0, 0x8000_0000, 1]);
+    assert_eq!(case.ray.dir.x.to_bits(), 0x7fc0_0000);
+    assert_eq!((case.ray.t_min, case.ray.t_max), (f32::NEG_INFINITY, f32::INFINITY));
+}
+
+#[test]
+fn blessing_keeps_the_lines_of_kernels_that_the_build_lacks() {
+    let pinned =
+        Pinned::parse("# comment\n\na\n  exact miss\n  aabb/division old\n  aabb/padded kept\n  aabb/gone lost\n");
+    let line = |kernel: &str, line: &str| (kernel.to_owned(), line.to_owned());
+    let lines = vec![line("exact", "miss"), line("aabb/division", "new"), line("aabb/reciprocal", "first")];
+    let got = [Outcome { case: "a".to_owned(), lines }];
+    assert_eq!(pinned.compare(&got).len(), 3, "a difference, a new kernel, a kernel that is gone");
+
+    let blessed = Pinned::parse(&pinned.blessed("boxes", &got));
+    assert_eq!(blessed.kernels, ["exact", "aabb/division", "aabb/padded", "aabb/reciprocal"]);
+    assert_eq!(blessed.lines["a"]["aabb/padded"], "kept");
+    assert_eq!(blessed.lines["a"]["aabb/division"], "new");
+    assert!(blessed.compare(&got).is_empty());
+}
