@@ -1,0 +1,625 @@
+//! Sharp cases: single rays that decide something, and what every kernel makes of each of them.
+//!
+//! `tests/cases/triangles.toml` and `boxes.toml` state the cases: numbers, where they come from, what they show, and the
+//! truth, which the oracle must confirm. `triangles.expected` and `boxes.expected` pin the outcome of every kernel, to the
+//! bit, right or wrong, so that a change for the better shows as well.
+//!
+//! # To add a case
+//!
+//! 1. Append a `[[case]]` to the TOML file; the comment at its top explains the fields.
+//! 2. Run `RAYLANES_BLESS=1 cargo test --test cases`, which rewrites the `.expected` files.
+//! 3. Read the difference. A wrong outcome is marked `<-`; it is pinned like any other.
+//!
+//! A new kernel has no pinned lines, and fails until they are blessed and read.
+//!
+//! # To read an `.expected` file
+//!
+//! A case is its name, then `exact`, the correctly rounded answer, then one line for each kernel. A hit prints `t`, `u` and
+//! `v` (of a box: entry, exit, 0) in decimal and in bits. In a mesh, `#n` is its n-th triangle, and the verdict counts the
+//! triangles hit. `<-` marks a false miss (a miss of what lies on a `boundary` is not one), a false hit, a leak, a double,
+//! and a `t` that is off by more than rounding.
+//!
+//! Some kernels exist only in builds with FMA. A build without them neither tests nor blesses their lines.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use raylanes::geom::{Aabb, Hit, Ray, Shape, Triangle};
+use raylanes::kernels::{Intersect, Kernel};
+use raylanes::oracle::{Exact, Truth};
+use raylanes::registry::{self, Visitor};
+use serde::Deserialize;
+use serde::de::{DeserializeOwned, Error, Visitor as Fields};
+use toml::Spanned;
+use wide::f32x8;
+
+const HOW_TO_BLESS: &str = "if this is meant: RAYLANES_BLESS=1 cargo test --test cases, then read the difference";
+
+/// Errors of `t` up to this many ulp are printed but not marked.
+const ROUNDING: u32 = 64;
+
+#[test]
+fn triangles() {
+    run::<TriangleData>("triangles");
+}
+
+#[test]
+fn boxes() {
+    run::<BoxData>("boxes");
+}
+
+fn run<D: Data>(name: &str) {
+    // Relative to the package, where cargo runs tests: messages name files as the reader knows them.
+    let folder = Path::new("tests/cases");
+    let cases = read_cases::<D>(&folder.join(name).with_extension("toml")).unwrap_or_else(|error| panic!("{error}"));
+    let mut failures = check_truth(&cases);
+
+    let mut outcomes = Outcomes { cases: &cases, truths: truths(&cases), kernels: Vec::new(), failures: Vec::new() };
+    D::kernels(&mut outcomes);
+    let Outcomes { truths, kernels, failures: twins, .. } = outcomes;
+    failures.extend(twins);
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+
+    let got = Outcome::of_all(&cases, &truths, kernels);
+    let expected = folder.join(name).with_extension("expected");
+    let pinned = Pinned::read(&expected);
+    if std::env::var_os("RAYLANES_BLESS").is_some_and(|value| value == "1") {
+        fs::write(&expected, pinned.blessed(name, &got)).unwrap();
+        return;
+    }
+    let failures = pinned.compare(&got);
+    assert!(failures.is_empty(), "{}:\n{}\n{HOW_TO_BLESS}", expected.display(), failures.join("\n"));
+}
+
+// ---- What a case is ------------------------------------------------------------------------------------------------
+
+/// A number as written: decimals are rounded once, from their digits to `f32`; a string holds the bits.
+#[derive(Clone, Copy)]
+enum Written {
+    Digits,
+    Bits(u32),
+}
+
+impl<'de> Deserialize<'de> for Written {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Number;
+        impl Fields<'_> for Number {
+            type Value = Written;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("a number, or the bits of one, such as \"0x3f800000\"")
+            }
+            fn visit_i64<E: Error>(self, _: i64) -> Result<Written, E> {
+                Ok(Written::Digits)
+            }
+            fn visit_f64<E: Error>(self, _: f64) -> Result<Written, E> {
+                Ok(Written::Digits)
+            }
+            fn visit_str<E: Error>(self, text: &str) -> Result<Written, E> {
+                let bits = text.strip_prefix("0x").filter(|digits| digits.len() == 8);
+                bits.and_then(|digits| u32::from_str_radix(digits, 16).ok())
+                    .map(Written::Bits)
+                    .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+            }
+        }
+        deserializer.deserialize_any(Number)
+    }
+}
+
+type Number = Spanned<Written>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileData<D> {
+    case: Vec<CaseData<D>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaseData<D> {
+    name: Spanned<String>,
+    source: String,
+    why: String,
+    #[serde(alias = "triangles", alias = "boxes")]
+    shapes: Vec<D>,
+    ray: RayData,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RayData {
+    origin: [Number; 3],
+    dir: [Number; 3],
+    t_min: Option<Number>,
+    t_max: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TriangleData {
+    v0: [Number; 3],
+    v1: [Number; 3],
+    v2: [Number; 3],
+    truth: Verdict,
+    t: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoxData {
+    lo: [Number; 3],
+    hi: [Number; 3],
+    truth: Verdict,
+    t: Option<Number>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum Verdict {
+    Hit,
+    Miss,
+}
+
+/// A shape as written, and what is particular to its family.
+trait Data: DeserializeOwned {
+    type Shape: Shape + Exact;
+
+    fn shape(&self, numbers: &Numbers) -> Result<Self::Shape, String>;
+    fn truth(&self) -> (Verdict, Option<&Number>);
+    fn kernels(outcomes: &mut Outcomes<Self::Shape>);
+    /// Where the ray is within the bounds of the shape, if it meets them; for a box, which is its own bounds, anywhere.
+    fn bounds(shape: &Self::Shape, ray: &Ray<f32>) -> Option<(f32, f32)>;
+}
+
+impl Data for TriangleData {
+    type Shape = Triangle;
+
+    fn shape(&self, numbers: &Numbers) -> Result<Triangle, String> {
+        Ok(Triangle { v0: numbers.vector(&self.v0)?, v1: numbers.vector(&self.v1)?, v2: numbers.vector(&self.v2)? })
+    }
+
+    fn truth(&self) -> (Verdict, Option<&Number>) {
+        (self.truth, self.t.as_ref())
+    }
+
+    fn kernels(outcomes: &mut Outcomes<Triangle>) {
+        registry::triangles(outcomes);
+    }
+
+    fn bounds(shape: &Triangle, ray: &Ray<f32>) -> Option<(f32, f32)> {
+        let truth = shape.bounds().truth(ray);
+        truth.hit.then_some((truth.t, truth.u))
+    }
+}
+
+impl Data for BoxData {
+    type Shape = Aabb;
+
+    fn shape(&self, numbers: &Numbers) -> Result<Aabb, String> {
+        Ok(Aabb { lo: numbers.vector(&self.lo)?, hi: numbers.vector(&self.hi)? })
+    }
+
+    fn truth(&self) -> (Verdict, Option<&Number>) {
+        (self.truth, self.t.as_ref())
+    }
+
+    fn kernels(outcomes: &mut Outcomes<Aabb>) {
+        registry::boxes(outcomes);
+    }
+
+    fn bounds(_: &Aabb, _: &Ray<f32>) -> Option<(f32, f32)> {
+        Some((f32::NEG_INFINITY, f32::INFINITY))
+    }
+}
+
+struct Case<S> {
+    name: String,
+    shapes: Vec<S>,
+    stated: Vec<(Verdict, Option<f32>)>,
+    ray: Ray<f32>,
+    /// Bounds of each shape along the ray: a hit far outside them is a false one of the worst kind.
+    bounds: Vec<Option<(f32, f32)>>,
+}
+
+/// The text that the spans of numbers point into.
+struct Numbers<'a> {
+    text: &'a str,
+}
+
+impl Numbers<'_> {
+    fn line(&self, offset: usize) -> usize {
+        1 + self.text[..offset].matches('\n').count()
+    }
+
+    fn scalar(&self, number: &Number) -> Result<f32, String> {
+        match *number.get_ref() {
+            Written::Bits(bits) => Ok(f32::from_bits(bits)),
+            Written::Digits => {
+                let digits = self.text[number.span()].replace('_', "");
+                let line = self.line(number.span().start);
+                let value: f32 =
+                    digits.parse().map_err(|_| format!("line {line}: {digits} is not a decimal number"))?;
+                if value.is_infinite() && !digits.contains("inf") {
+                    return Err(format!("line {line}: {digits} is beyond f32"));
+                }
+                Ok(value)
+            }
+        }
+    }
+
+    fn vector(&self, numbers: &[Number; 3]) -> Result<Vec3, String> {
+        let [x, y, z] = numbers;
+        Ok(Vec3::new(self.scalar(x)?, self.scalar(y)?, self.scalar(z)?))
+    }
+}
+
+fn read_cases<D: Data>(path: &Path) -> Result<Vec<Case<D::Shape>>, String> {
+    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    parse_cases::<D>(&text).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn parse_cases<D: Data>(text: &str) -> Result<Vec<Case<D::Shape>>, String> {
+    let file: FileData<D> = toml::from_str(text).map_err(|error| error.to_string())?;
+    let numbers = Numbers { text };
+    let mut names = BTreeSet::new();
+    file.case.iter().map(|data| parse_case(data, &numbers, &mut names)).collect()
+}
+
+fn parse_case<'a, D: Data>(
+    data: &'a CaseData<D>,
+    numbers: &Numbers,
+    names: &mut BTreeSet<&'a str>,
+) -> Result<Case<D::Shape>, String> {
+    let name = data.name.get_ref().as_str();
+    let fail = |what: &str| Err(format!("line {}: case {name:?} {what}", numbers.line(data.name.span().start)));
+    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
+        return fail("must be named with letters, digits and hyphens only");
+    }
+    if !names.insert(name) {
+        return fail("is there twice");
+    }
+    if data.source.trim().is_empty() || data.why.trim().is_empty() || data.why.contains('\n') {
+        return fail("must have a source, and say in one line why it is there");
+    }
+    if data.shapes.is_empty() {
+        return fail("has no shapes");
+    }
+    let interval = |number: &Option<Number>, default| number.as_ref().map_or(Ok(default), |n| numbers.scalar(n));
+    let ray = Ray {
+        origin: numbers.vector(&data.ray.origin)?,
+        t_min: interval(&data.ray.t_min, 0.0)?,
+        dir: numbers.vector(&data.ray.dir)?,
+        t_max: interval(&data.ray.t_max, f32::INFINITY)?,
+    };
+    let shapes = data.shapes.iter().map(|shape| shape.shape(numbers)).collect::<Result<Vec<_>, _>>()?;
+    let stated = data.shapes.iter().map(|shape| {
+        let (verdict, t) = shape.truth();
+        Ok((verdict, t.map(|t| numbers.scalar(t)).transpose()?))
+    });
+    let stated = stated.collect::<Result<_, String>>()?;
+    let bounds = shapes.iter().map(|shape| D::bounds(shape, &ray)).collect();
+    Ok(Case { name: name.to_owned(), shapes, stated, ray, bounds })
+}
+
+// ---- The truth -----------------------------------------------------------------------------------------------------
+
+fn truths<S: Exact>(cases: &[Case<S>]) -> Vec<Vec<Truth>> {
+    cases.iter().map(|case| case.shapes.iter().map(|shape| shape.truth_exact(&case.ray)).collect()).collect()
+}
+
+/// What the file states against what the oracle says.
+fn check_truth<S: Exact>(cases: &[Case<S>]) -> Vec<String> {
+    let mut failures = Vec::new();
+    for (case, truths) in cases.iter().zip(truths(cases)) {
+        for (index, (truth, (verdict, t))) in truths.iter().zip(&case.stated).enumerate() {
+            let exact = print_truth(truth);
+            if truth.hit != (*verdict == Verdict::Hit) {
+                failures.push(format!("{} #{index}: the file states {verdict:?}, the oracle: {exact}", case.name));
+            } else if let Some(t) = t.filter(|t| *t != truth.t) {
+                failures.push(format!("{} #{index}: the file states t = {t:?}, the oracle: {exact}", case.name));
+            }
+        }
+    }
+    failures
+}
+
+// ---- What the kernels make of it -----------------------------------------------------------------------------------
+
+struct KernelHits {
+    id: String,
+    /// For each case, for each of its shapes.
+    hits: Vec<Vec<Hit<f32>>>,
+}
+
+struct Outcomes<'a, S> {
+    cases: &'a [Case<S>],
+    truths: Vec<Vec<Truth>>,
+    kernels: Vec<KernelHits>,
+    failures: Vec<String>,
+}
+
+impl<S: Shape> Visitor<S> for Outcomes<'_, S> {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
+        let mut hits = Vec::new();
+        for (index, case) in self.cases.iter().enumerate() {
+            let of_shape = |shape| {
+                let primitive = K::prepare(shape);
+                let scalar = Intersect::<f32>::hit(&primitive, &case.ray);
+                self.failures.extend(packet_differs(self.cases, index, &primitive, &scalar));
+                scalar
+            };
+            hits.push(case.shapes.iter().map(of_shape).collect());
+        }
+        self.kernels.push(KernelHits { id: K::INFO.id.to_string(), hits });
+    }
+}
+
+/// The ray in every lane, among the rays of the cases that follow.
+fn packet_differs<K: Kernel>(
+    cases: &[Case<K::Shape>],
+    index: usize,
+    primitive: &K,
+    scalar: &Hit<f32>,
+) -> Option<String> {
+    (0..8).find_map(|lane| {
+        let packet =
+            Ray::from_lanes(&std::array::from_fn(|other| cases[(index + (other + 8 - lane) % 8) % cases.len()].ray));
+        let got = Intersect::<f32x8>::hit(primitive, &packet).lane(lane);
+        (got.to_bits() != scalar.to_bits()).then(|| {
+            let (name, id) = (&cases[index].name, K::INFO.id);
+            format!("{name} {id}: twins differ\n  scalar  {}\n  lane {lane}  {}", print_hit(scalar), print_hit(&got))
+        })
+    })
+}
+
+/// The lines of one case.
+struct Outcome {
+    case: String,
+    /// `exact` and the kernels, in the order of the registry.
+    lines: Vec<(String, String)>,
+}
+
+impl Outcome {
+    fn of_all<S>(cases: &[Case<S>], truths: &[Vec<Truth>], kernels: Vec<KernelHits>) -> Vec<Self> {
+        let mut outcomes: Vec<_> = cases
+            .iter()
+            .zip(truths)
+            .map(|(case, truths)| Self {
+                case: case.name.clone(),
+                lines: vec![("exact".to_owned(), exact_line(truths))],
+            })
+            .collect();
+        for KernelHits { id, hits } in kernels {
+            for (index, hits) in hits.iter().enumerate() {
+                let line = kernel_line(&cases[index], &truths[index], hits);
+                outcomes[index].lines.push((id.clone(), line));
+            }
+        }
+        outcomes
+    }
+}
+
+fn print_truth(truth: &Truth) -> String {
+    if !truth.hit {
+        return "miss".to_owned();
+    }
+    let boundary = if truth.boundary { ", boundary" } else { "" };
+    format!("hit {}{boundary}", print_parameters(truth.t, truth.u, truth.v))
+}
+
+fn print_hit(hit: &Hit<f32>) -> String {
+    if hit.mask { format!("hit {}", print_parameters(hit.t, hit.u, hit.v)) } else { "miss".to_owned() }
+}
+
+fn print_parameters(t: f32, u: f32, v: f32) -> String {
+    [("t", t), ("u", u), ("v", v)].map(|(name, x)| format!("{name}={x:?}/{:08x}", x.to_bits())).join(" ")
+}
+
+/// The parts of a line, numbered if there are several.
+fn join(parts: &[String]) -> String {
+    if let [part] = parts {
+        return part.clone();
+    }
+    let numbered = parts.iter().enumerate().map(|(index, part)| format!("#{index} {part}"));
+    numbered.collect::<Vec<_>>().join("; ")
+}
+
+fn exact_line(truths: &[Truth]) -> String {
+    let mut line = join(&truths.iter().map(print_truth).collect::<Vec<_>>());
+    if truths.len() > 1 {
+        write!(line, "; mesh: {} hit", truths.iter().filter(|truth| truth.hit).count()).unwrap();
+    }
+    line
+}
+
+fn kernel_line<S>(case: &Case<S>, truths: &[Truth], hits: &[Hit<f32>]) -> String {
+    let parts = hits.iter().zip(truths).zip(&case.bounds);
+    let parts: Vec<_> = parts.map(|((hit, truth), bounds)| print_hit(hit) + &judge(hit, truth, *bounds)).collect();
+    let mut line = join(&parts);
+    if hits.len() > 1 {
+        let exact = truths.iter().filter(|truth| truth.hit).count();
+        let inside = exact == 1 && !truths.iter().any(|truth| truth.boundary);
+        let got = hits.iter().filter(|hit| hit.mask).count();
+        let mark = match got {
+            0 if exact > 0 => " <- leak",
+            2.. if inside => " <- double",
+            _ => "",
+        };
+        write!(line, "; mesh: {got} of {exact} hit{mark}").unwrap();
+    }
+    line
+}
+
+/// What is wrong with a hit, empty if nothing is.
+fn judge(hit: &Hit<f32>, truth: &Truth, bounds: Option<(f32, f32)>) -> String {
+    match (truth.hit, hit.mask) {
+        (false, false) => String::new(),
+        (true, false) if truth.boundary => " (boundary)".to_owned(),
+        (true, false) => " <- false miss".to_owned(),
+        (false, true) => {
+            // A triangle that lies in an axis plane has flat bounds, which the rounding of `t` alone may leave.
+            let slack = 1e-3 * hit.t.abs();
+            let near = bounds.is_some_and(|(entry, exit)| entry - slack <= hit.t && hit.t <= exit + slack);
+            format!(" <- false hit{}", if near { "" } else { ", far outside its bounds" })
+        }
+        (true, true) => {
+            let ulp = ulp_distance(hit.t, truth.t);
+            match ulp {
+                0 => String::new(),
+                1..=ROUNDING => format!(" (t off by {ulp} ulp)"),
+                _ => format!(" <- t off by {ulp} ulp"),
+            }
+        }
+    }
+}
+
+/// How many steps from one `f32` to the next lie between the two; both zeros are the same place.
+fn ulp_distance(a: f32, b: f32) -> u32 {
+    let place = |x: f32| {
+        let magnitude = (x.to_bits() & 0x7fff_ffff).cast_signed();
+        if x.is_sign_negative() { -magnitude } else { magnitude }
+    };
+    place(a).abs_diff(place(b))
+}
+
+// ---- What is pinned ------------------------------------------------------------------------------------------------
+
+#[derive(Default)]
+struct Pinned {
+    /// Case, then kernel: the line.
+    lines: BTreeMap<String, BTreeMap<String, String>>,
+    /// Kernels in the order of their first lines.
+    kernels: Vec<String>,
+}
+
+impl Pinned {
+    /// A file that is not there pins nothing.
+    fn read(path: &Path) -> Self {
+        Self::parse(&fs::read_to_string(path).unwrap_or_default())
+    }
+
+    fn parse(text: &str) -> Self {
+        let mut pinned = Self::default();
+        let mut case = String::new();
+        for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
+            let Some(outcome) = line.strip_prefix("  ") else {
+                line.clone_into(&mut case);
+                continue;
+            };
+            let (kernel, outcome) = outcome.split_once(' ').unwrap_or((outcome, ""));
+            if !pinned.kernels.iter().any(|known| known == kernel) {
+                pinned.kernels.push(kernel.to_owned());
+            }
+            pinned.lines.entry(case.clone()).or_default().insert(kernel.to_owned(), outcome.trim().to_owned());
+        }
+        pinned
+    }
+
+    fn compare(&self, got: &[Outcome]) -> Vec<String> {
+        let mut failures = Vec::new();
+        let present = got.first().into_iter().flat_map(|outcome| &outcome.lines);
+        let unknown = |kernel: &str| !self.kernels.iter().any(|known| known == kernel);
+        let new = present.filter(|(kernel, _)| unknown(kernel));
+        failures.extend(new.map(|(kernel, _)| format!("{kernel}: nothing is pinned, in no case")));
+        for Outcome { case, lines } in got {
+            for (kernel, line) in lines.iter().filter(|(kernel, _)| !unknown(kernel)) {
+                match self.lines.get(case).and_then(|kernels| kernels.get(kernel)) {
+                    Some(pinned) if pinned == line => {}
+                    Some(pinned) => failures.push(format!("{case} {kernel}:\n  pinned  {pinned}\n  got     {line}")),
+                    None => failures.push(format!("{case} {kernel}: nothing is pinned\n  got     {line}")),
+                }
+            }
+        }
+        let gone = self.lines.keys().filter(|case| !got.iter().any(|outcome| outcome.case == **case));
+        failures.extend(gone.map(|case| format!("{case}: pinned, but there is no such case")));
+        let gone = self.absent(got).filter(|kernel| !is_written(kernel));
+        failures.extend(gone.map(|kernel| format!("{kernel}: pinned, but there is no such kernel")));
+        failures
+    }
+
+    /// Kernels with pinned lines that this build does not have.
+    fn absent<'a>(&'a self, got: &'a [Outcome]) -> impl Iterator<Item = &'a str> {
+        let present: BTreeSet<&str> =
+            got.iter().flat_map(|outcome| outcome.lines.iter().map(|(kernel, _)| kernel.as_str())).collect();
+        self.kernels.iter().map(String::as_str).filter(move |kernel| !present.contains(kernel))
+    }
+
+    /// The file that pins what this build got, and keeps the lines of kernels that it lacks where they were.
+    fn blessed(&self, name: &str, got: &[Outcome]) -> String {
+        let mut order: Vec<&str> =
+            got.first().map_or(vec![], |outcome| outcome.lines.iter().map(|(kernel, _)| kernel.as_str()).collect());
+        for kernel in self.absent(got).filter(|kernel| is_written(kernel)) {
+            let position = self.kernels.iter().position(|pinned| pinned == kernel).unwrap();
+            let before = self.kernels[..position].iter().rev();
+            let place = before.filter_map(|pinned| order.iter().position(|kernel| kernel == pinned)).next();
+            order.insert(place.map_or(0, |place| place + 1), kernel);
+        }
+
+        let mut text = format!(
+            "# Written by `RAYLANES_BLESS=1 cargo test --test cases` from {name}.toml; tests/cases.rs explains it.\n"
+        );
+        for Outcome { case, lines } in got {
+            writeln!(text, "\n{case}").unwrap();
+            for kernel in &order {
+                let line = lines.iter().find(|(id, _)| id == kernel).map(|(_, line)| line);
+                let kept = || self.lines.get(case).and_then(|kernels| kernels.get(*kernel));
+                if let Some(line) = line.or_else(kept) {
+                    writeln!(text, "  {kernel:28} {line}").unwrap();
+                }
+            }
+        }
+        text
+    }
+}
+
+/// Whether the sources of the kernels name this ID, so that the kernel exists even if this build lacks it.
+fn is_written(kernel: &str) -> bool {
+    fn sources(folder: PathBuf) -> Vec<PathBuf> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        entries.flat_map(|path| if path.is_dir() { sources(path) } else { vec![path] }).collect()
+    }
+    let quoted = format!("\"{kernel}\"");
+    let files = sources(PathBuf::from("src/kernels"));
+    files.iter().any(|file| fs::read_to_string(file).unwrap().contains(&quoted))
+}
+
+// ---- The checks above, checked -------------------------------------------------------------------------------------
+
+#[test]
+fn numbers_are_read_to_the_bit() {
+    // By way of f64 the first would be 1.0: a tie there, which the digits that f64 drops decide.
+    let text = r#"
+        [[case]]
+        name = "numbers"
+        source = "this test"
+        why = "each kind of number"
+        boxes = [{ lo = [1.00000005960464477539062500000001, -0.0, 0], hi = [inf, "0x3f800001", 16_777_217], truth = "miss" }]
+        ray = { origin = [0, -0, 1e-45], dir = ["0x7fc00000", 0, 0], t_min = -inf }
+    "#;
+    let case = &parse_cases::<BoxData>(text).unwrap()[0];
+    let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+    assert_eq!(bits(case.shapes[0].lo), [0x3f80_0001, 0x8000_0000, 0]);
+    assert_eq!(bits(case.shapes[0].hi), [0x7f80_0000, 0x3f80_0001, 0x4b80_0000]);
+    assert_eq!(bits(case.ray.origin), [0, 0x8000_0000, 1]);
+    assert_eq!(case.ray.dir.x.to_bits(), 0x7fc0_0000);
+    assert_eq!((case.ray.t_min, case.ray.t_max), (f32::NEG_INFINITY, f32::INFINITY));
+}
+
+#[test]
+fn blessing_keeps_the_lines_of_kernels_that_the_build_lacks() {
+    let pinned =
+        Pinned::parse("# comment\n\na\n  exact miss\n  aabb/division old\n  aabb/padded kept\n  aabb/gone lost\n");
+    let line = |kernel: &str, line: &str| (kernel.to_owned(), line.to_owned());
+    let lines = vec![line("exact", "miss"), line("aabb/division", "new"), line("aabb/reciprocal", "first")];
+    let got = [Outcome { case: "a".to_owned(), lines }];
+    assert_eq!(pinned.compare(&got).len(), 3, "a difference, a new kernel, a kernel that is gone");
+
+    let blessed = Pinned::parse(&pinned.blessed("boxes", &got));
+    assert_eq!(blessed.kernels, ["exact", "aabb/division", "aabb/padded", "aabb/reciprocal"]);
+    assert_eq!(blessed.lines["a"]["aabb/padded"], "kept");
+    assert_eq!(blessed.lines["a"]["aabb/division"], "new");
+    assert!(blessed.compare(&got).is_empty());
+}
