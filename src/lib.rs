@@ -78,8 +78,9 @@
 //! a struct generic over the lanes; `impl Intersect<f32>`, the specification in plain glam; `impl<P: Lanes>
 //! Intersect<f32x8>`, its translation line by line; `impl Kernel`. Name it in the family's `mod.rs` and add one line to
 //! [`registry`]. It is then compared with its twin and the oracle, benchmarked, recorded, charted, and selectable in the
-//! program. `RAYLANES_BLESS=1 cargo test --test cases` pins what it makes of the sharp cases: read the lines marked `<-`. A
-//! kernel of your own crate can implement the same traits and be used with the tracer as it is.
+//! program. `RAYLANES_BLESS=1 cargo test --test cases --test accuracy` pins what it makes of the sharp cases (read
+//! the lines marked `<-`) and its errors in every regime. What it claims is enforced; what it does not claim, it has to be
+//! seen to break. A kernel of your own crate can implement the same traits and be used with the tracer as it is.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]

@@ -26,7 +26,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Measure every kernel and the tracer; write results.json, report.md and speed-accuracy.svg.
+    /// Measure every kernel and the tracer; write results.json, report.md and its charts.
     Study(StudyArguments),
     /// Trace the rays of a picture or of a file and tell how fast that was.
     Trace(TraceArguments),
@@ -190,7 +190,8 @@ fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut text = study::terminal_table(&record, color);
     let folder = arguments.out.display();
-    writeln!(text, "\nWritten to {folder}: report.md, speed-accuracy.svg, results.json").expect("strings grow");
+    writeln!(text, "\nWritten to {folder}: report.md, its charts (begin with speed-accuracy.svg), results.json")
+        .expect("strings grow");
     Ok(text)
 }
 

@@ -41,7 +41,7 @@ fn measure<S: Subject>(seed: u64, hashes: &mut Hashes) {
         note(regime.name, steps.map(|&severity| kernels.on_regime(regime, severity, RAYS, seed)).collect());
     }
     for map in S::MAPS {
-        for (kernel, cells) in kernels.iter().zip(kernels.on_map(map, 32, seed)) {
+        for (kernel, cells) in kernels.iter().zip(kernels.on_map(map, 32, seed).1) {
             hashes.insert(format!("{} {}", kernel.id, map.name), hash(&cells.t_ulp_p99));
         }
     }

@@ -59,6 +59,7 @@ fn every_kernel_is_measured_and_charted() {
         assert_eq!(rows.clone().any(|row| row.mesh_hits > 0), regime.mesh, "{}", regime.name);
     }
     for map in &record.maps {
+        assert_eq!(map.hits.len(), map.x.len() * map.y.len());
         for cells in record.map_cells.iter().filter(|cells| cells.map == map.name && cells.id.starts_with(&map.family))
         {
             assert_eq!(cells.t_ulp_p99.len(), map.x.len() * map.y.len());

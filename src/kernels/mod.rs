@@ -116,7 +116,9 @@ pub struct Operations {
 /// kernel of the family that does not make it: a promise that everyone could make is no information.
 ///
 /// The promises about meshes are about triangles that all face the ray the same way (at a silhouette a ray may pass
-/// between two faces), and none holds where an intermediate product overflows or is subnormal.
+/// between two faces), and of which rounding the vertices, by an ulp of their distance from the ray's origin, turns none
+/// over: a triangle seen nearly edge-on, or a sliver, may be rejected by its other edges or hit beside its neighbours. None
+/// holds where an intermediate product overflows or is subnormal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Claim {
     /// Of two triangles that share an edge, a ray through that edge hits at least one.

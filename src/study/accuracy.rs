@@ -135,43 +135,47 @@ impl<S: Subject> Kernels<S> {
             .collect()
     }
 
-    /// Measures all of them on a failure map, with so many rays per cell that exactly hit: the cells of each.
-    pub fn on_map(&self, map: &FailureMap<S>, rays: u64, seed: u64) -> Vec<MapCells> {
+    /// Measures all of them on a failure map, with so many rays per cell that exactly hit, or fewer where hardly any does:
+    /// the numbers of these rays, and the cells of each kernel.
+    pub fn on_map(&self, map: &FailureMap<S>, rays: u64, seed: u64) -> (Vec<u64>, Vec<MapCells>) {
         let cells: Vec<[f32; 2]> = map.cells().collect();
-        let columns: Vec<Vec<Option<u64>>> =
-            cells.par_iter().map(|&severities| self.on_cell(map, severities, rays, seed)).collect();
+        let (hits, columns): (Vec<u64>, Vec<Vec<Option<u64>>>) =
+            cells.par_iter().map(|&severities| self.on_cell(map, severities, rays, seed)).unzip();
         let of_kernel = |(index, kernel): (usize, &Measured<S>)| MapCells {
             id: kernel.id.clone(),
             map: map.name.into(),
             t_ulp_p99: columns.iter().map(|column| column[index]).collect(),
         };
-        self.0.iter().enumerate().map(of_kernel).collect()
+        (hits, self.0.iter().enumerate().map(of_kernel).collect())
     }
 
-    fn on_cell(&self, map: &FailureMap<S>, severities: [f32; 2], rays: u64, seed: u64) -> Vec<Option<u64>> {
+    fn on_cell(&self, map: &FailureMap<S>, severities: [f32; 2], rays: u64, seed: u64) -> (u64, Vec<Option<u64>>) {
         let mut errors: Vec<Vec<u32>> = vec![Vec::new(); self.0.len()];
+        let mut hits = 0;
         // Where the worst inputs have no answer at all (a sliver that rounding makes a line), more attempts do not help.
-        for index in 0..4 * rays / RAYS_PER_SAMPLE as u64 {
+        for index in 0..16 * rays / RAYS_PER_SAMPLE as u64 {
             let sample = (map.sample)(severities, &mut rng(seed, S::FAMILY, map.name, &severities, index));
             let truths = truths(&sample);
+            let is_strict = |truth: &Truth| truth.hit && !truth.boundary && truth.t.is_finite();
+            hits += truths.iter().filter(|truth| is_strict(truth)).count() as u64;
             for (kernel, errors) in self.0.iter().zip(&mut errors) {
-                let outcomes = truths.iter().zip((kernel.hits)(&sample));
-                let strict = outcomes.filter(|(truth, _)| truth.hit && !truth.boundary && truth.t.is_finite());
+                let strict = truths.iter().zip((kernel.hits)(&sample)).filter(|(truth, _)| is_strict(truth));
                 errors
                     .extend(strict.map(|(truth, hit)| if hit.mask { ulps_between(truth.t, hit.t) } else { u32::MAX }));
             }
-            if errors.iter().all(|errors| errors.len() as u64 >= rays) {
+            if hits >= rays {
                 break;
             }
         }
-        errors
+        let p99 = errors
             .into_iter()
             .map(|mut errors| {
                 errors.sort_unstable();
                 let p99 = errors.get(quantile(0.99, errors.len())).copied().unwrap_or(u32::MAX);
                 (p99 != u32::MAX).then_some(u64::from(p99))
             })
-            .collect()
+            .collect();
+        (hits, p99)
     }
 }
 

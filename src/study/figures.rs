@@ -60,9 +60,10 @@ pub(super) struct Figures<'a> {
     pub(super) kernel: &'a KernelRow,
     /// What distinguishes its ID within its group.
     pub(super) name: &'a str,
-    /// Rays that exactly hit and are reported to hit nothing: the worst of [`Group::losing`] and their severities.
+    /// Rays that exactly hit and are reported to hit nothing: the worst of [`Group::losing`] and their severities, or, where
+    /// there are none, all of them together.
     pub(super) lost: Option<Rate>,
-    /// The row that `lost` is from.
+    /// The row that `lost` is from, if any were.
     pub(super) lost_in: Option<&'a AccuracyRow>,
     record: &'a Record,
 }
@@ -139,15 +140,16 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
         .map(|&kernel| {
             let rows = rows_of(record, &kernel.id).filter(|row| losing.contains(&row.workload.as_str()));
             let rates = rows.filter_map(|row| Some((if mesh { leaks(row) } else { lost_by_boxes(row) }?, row)));
-            // Of zeros, the one over the fewest rays says least.
-            let worst = rates.max_by(|(a, _), (b, _)| {
-                a.per_million.total_cmp(&b.per_million).then(a.or_bound().total_cmp(&b.or_bound()))
-            });
+            let rates: Vec<(Rate, &AccuracyRow)> = rates.collect();
+            let worst = rates.iter().max_by(|(a, _), (b, _)| a.per_million.total_cmp(&b.per_million));
+            // Where nothing was lost anywhere, it was lost by none of all these rays.
+            let all = rates.iter().map(|(rate, _)| rate.of).sum();
+            let lost = worst.map(|(rate, _)| if rate.per_million == 0.0 { Rate { of: all, ..*rate } } else { *rate });
             Figures {
                 kernel,
                 name: &kernel.id[prefix.len()..],
-                lost: worst.map(|(rate, _)| rate),
-                lost_in: worst.map(|(_, row)| row),
+                lost,
+                lost_in: worst.filter(|(rate, _)| rate.per_million > 0.0).map(|&(_, row)| row),
                 record,
             }
         })
@@ -499,11 +501,13 @@ mod tests {
     }
 
     #[test]
-    fn of_zeros_the_weakest_counts() {
+    fn nothing_lost_is_nothing_of_all_rays() {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 0.0);
-        let lost = groups(&record)[0].kernels[0].lost.unwrap();
-        assert_eq!(lost.to_string(), "0 (< 150)", "20,000 rays in the regimes, 200,000 in the workload");
+        let all = record.accuracy.iter().map(|row| row.mesh_hits).sum();
+        let kernel = &groups(&record)[0].kernels[0];
+        assert!(all > 200_000 && kernel.lost_in.is_none());
+        assert_eq!(kernel.lost, Rate::new(0.0, all));
     }
 
     #[test]

@@ -96,7 +96,7 @@ pub(super) fn degenerate_records() -> [Record; 3] {
         (row.violations, row.of) = (0, 0);
     }
     for map in &mut zeros.maps {
-        (map.x, map.y, map.rays) = (vec![1.0], Vec::new(), 0);
+        (map.x, map.y, map.hits) = (vec![1.0], Vec::new(), Vec::new());
     }
     for regime in &mut zeros.regimes {
         regime.steps = vec![0.0];
@@ -168,7 +168,7 @@ fn maps() -> Vec<MapRow> {
         x: severities(19, 6.0).collect(),
         y_axis: y_axis.into(),
         y: severities(16, 5.0).collect(),
-        rays: 1024,
+        hits: (0..19 * 16).map(|cell| if cell > 300 { 99 } else { 1024 }).collect(),
     };
     vec![
         map("triangle", "offset-aspect", "distance from the origin / size", "length / height of the triangle"),

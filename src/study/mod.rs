@@ -198,7 +198,8 @@ impl Accuracy<'_> {
         for map in S::MAPS {
             begin(map.name);
             let rays = if self.quick { 64 } else { 512 };
-            self.map_cells.extend(kernels.on_map(map, rays, self.seed));
+            let (hits, cells) = kernels.on_map(map, rays, self.seed);
+            self.map_cells.extend(cells);
             self.maps.push(MapRow {
                 family: S::FAMILY.into(),
                 name: map.name.into(),
@@ -206,7 +207,7 @@ impl Accuracy<'_> {
                 x: map.x.steps(),
                 y_axis: map.y.title.into(),
                 y: map.y.steps(),
-                rays,
+                hits,
             });
         }
     }

@@ -141,8 +141,9 @@ pub struct MapRow {
     pub y_axis: String,
     /// Severities along it, from the bottom up: positive, in equal ratios.
     pub y: Vec<f64>,
-    /// Rays per cell, all of which exactly hit strictly inside.
-    pub rays: u64,
+    /// Rays of each cell that exactly hit strictly inside, in the order of [`MapCells::t_ulp_p99`]. They are as many in
+    /// every cell, or fewer where hardly any ray hits: a thin shape may have no inside left once it is rounded.
+    pub hits: Vec<u64>,
 }
 
 /// A kernel's errors over a failure map.
@@ -153,7 +154,7 @@ pub struct MapCells {
     /// Name of the map.
     pub map: String,
     /// Row by row from the bottom up, in each from left to right: the error of `t`, in ulp, that 99 % of the rays do not
-    /// exceed, a miss counting as an infinite error. `null` where more than 1 % of the rays miss.
+    /// exceed, a miss counting as an infinite error. `null` where more than 1 % of the rays miss, or where there are none.
     pub t_ulp_p99: Vec<Option<u64>>,
 }
 

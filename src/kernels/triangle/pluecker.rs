@@ -14,7 +14,8 @@
 //!
 //! **Fails:** at a vertex three and more edge functions meet, each with its own rounding, and their signs need not be
 //! those of any point: of 2,170,000 rays exactly through the hub of a fan 5,800 leaked, and none of 1,890,000 exactly
-//! through its edges. The rounding of an edge function grows with the distance times the size, so that rays near an
+//! through its edges. A triangle seen so nearly edge-on that another of its edges is as near as rounding may be rejected
+//! by that one (`edge-leak-pluecker` of the sharp cases). The rounding of an edge function grows with the distance times the size, so that rays near an
 //! edge are double hits or hits of the wrong neighbour, more of them from farther away.
 //!
 //! **Degenerate input:** the prepared normal of a triangle of zero area is exactly zero, so `t` divides by zero.

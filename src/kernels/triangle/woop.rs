@@ -18,7 +18,7 @@
 //! **Edges:** closed. A ray through an edge or a vertex hits all triangles that it meets there. **Claims:** in the
 //! plane the triangles of a mesh still share their vertices exactly, so no point between them is left out. Rounding
 //! moves a vertex by up to an ulp of its distance from the origin, and triangles with it; one that is turned over by
-//! that makes a ray hit two others beside it.
+//! that makes a ray hit two others beside it, or at the rim of a mesh, where there is no other, none.
 //!
 //! **Fails:** products overflow beyond 1e19 and vanish below 1e-23. `t` needs a finite `1 / dir` on the longest axis.
 //!

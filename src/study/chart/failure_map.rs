@@ -25,6 +25,10 @@ const CLASSES: [(u64, RGBColor); 6] = [
 const WORSE: RGBColor = RGBColor(8, 29, 88);
 /// Of cells in which more than 1 % of the rays miss: no shade of the others, and striped besides.
 const MISSED: RGBColor = RGBColor(222, 70, 30);
+/// Of cells in which too few rays hit to tell.
+const UNKNOWN: RGBColor = RGBColor(216, 216, 216);
+/// Rays without which there is no 99th percentile.
+const LEAST: u64 = 100;
 
 const TITLE: &str = "errors over two severities (light: right, dark: wrong, striped: missed)";
 /// Images are at least about this wide, and at most this wide and high.
@@ -38,14 +42,20 @@ const MAP_TITLE: i32 = 30;
 const AXIS_TITLE: i32 = 20;
 const LEGEND_HEIGHT: i32 = 56;
 
-/// The class of a cell: an index into [`CLASSES`], one more for greater errors, two more for misses.
-fn class(t_ulp_p99: Option<u64>) -> usize {
-    t_ulp_p99
-        .map_or(CLASSES.len() + 1, |ulp| CLASSES.iter().position(|&(most, _)| ulp <= most).unwrap_or(CLASSES.len()))
+/// Number of classes: [`CLASSES`], then greater errors, misses, and what is not known.
+const KINDS: usize = CLASSES.len() + 3;
+
+/// The class of a cell, for the number of rays that hit there and their error.
+fn class(hits: u64, t_ulp_p99: Option<u64>) -> usize {
+    match t_ulp_p99 {
+        _ if hits < LEAST => CLASSES.len() + 2,
+        None => CLASSES.len() + 1,
+        Some(ulp) => CLASSES.iter().position(|&(most, _)| ulp <= most).unwrap_or(CLASSES.len()),
+    }
 }
 
 fn color(class: usize) -> RGBColor {
-    CLASSES.get(class).map_or(if class == CLASSES.len() { WORSE } else { MISSED }, |&(_, color)| color)
+    CLASSES.get(class).map_or_else(|| [WORSE, MISSED, UNKNOWN][class - CLASSES.len()], |&(_, color)| color)
 }
 
 /// What a class stands for.
@@ -53,8 +63,7 @@ fn meaning(class: usize) -> String {
     match CLASSES.get(class) {
         Some(&(most, _)) if class == 0 => format!("0 to {most} ulp"),
         Some(&(most, _)) => format!("to {}", count(most)),
-        None if class == CLASSES.len() => "more".into(),
-        None => "more than 1 % missed".into(),
+        None => ["more", "> 1 % missed", "hardly any hit"][class - CLASSES.len()].into(),
     }
 }
 
@@ -87,7 +96,7 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
 
 fn legend(root: &Area, top: i32) -> Drawn {
     const BOX: i32 = 92;
-    for class in 0..=CLASSES.len() + 1 {
+    for class in 0..KINDS {
         // The misses stand apart from the scale.
         let x = MARGIN + class as i32 * BOX + if class > CLASSES.len() { 24 } else { 0 };
         run(root, [(x, top + 4), (x + BOX, top + 22)], class)?;
@@ -141,7 +150,8 @@ impl Layout {
 
 fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &Layout, top: i32) -> Drawn {
     root.draw_text(&map.name, &heading(15.0), (MARGIN, top + MAP_TITLE / 2))?;
-    let axes = [format!("→ {}", map.x_axis), format!("↑ {}; {} rays per cell", map.y_axis, count(map.rays))];
+    let rays = count(map.hits.iter().copied().max().unwrap_or(0));
+    let axes = [format!("→ {}", map.x_axis), format!("↑ {}; {rays} rays per cell", map.y_axis)];
     for (line, text) in (0..).zip(axes) {
         root.draw_text(&text, &label(TEXT, INK), (MARGIN, top + MAP_TITLE + LINE * line + LINE / 2))?;
     }
@@ -152,14 +162,15 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
         root.draw_text(kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
         axes_of(root, map, layout, corner, column == 0)?;
         let cells = record.map_cells.iter().find(|cells| cells.id == kernel.kernel.id && cells.map == map.name);
-        image(root, layout, corner, cells.filter(|cells| fits(cells, map)))?;
+        image(root, layout, corner, map, cells.filter(|cells| fits(cells, map)))?;
     }
     Ok(())
 }
 
 /// Whether there is one figure for each cell.
 fn fits(cells: &MapCells, map: &MapRow) -> bool {
-    !cells.t_ulp_p99.is_empty() && cells.t_ulp_p99.len() == map.x.len() * map.y.len()
+    let cells = cells.t_ulp_p99.len();
+    cells > 0 && cells == map.x.len() * map.y.len() && cells == map.hits.len()
 }
 
 /// Ticks at powers of ten; the vertical figures at the first image of a row alone.
@@ -191,12 +202,12 @@ fn power(tick: f64) -> String {
     if (-2.0..=2.0).contains(&exponent) { severity(tick) } else { format!("1e{exponent}") }
 }
 
-fn image(root: &Area, layout: &Layout, (left, top): Pixel, cells: Option<&MapCells>) -> Drawn {
+fn image(root: &Area, layout: &Layout, (left, top): Pixel, map: &MapRow, cells: Option<&MapCells>) -> Drawn {
     let (width, height) = layout.size();
     let Some(cells) = cells else {
         return root.draw_text("not measured", &centered(label(TEXT, FAINT)), (left + width / 2, top + height / 2));
     };
-    for Run { row, columns, class } in runs(&cells.t_ulp_p99, layout.cells.0 as usize) {
+    for Run { row, columns, class } in runs(&map.hits, &cells.t_ulp_p99, layout.cells.0 as usize) {
         let bottom = top + height - row as i32 * layout.cell;
         let [from, to] = [columns.start, columns.end].map(|column| left + column as i32 * layout.cell);
         run(root, [(from, bottom - layout.cell), (to, bottom)], class)?;
@@ -214,10 +225,10 @@ struct Run {
 }
 
 /// The runs of a map that is `width` cells wide.
-fn runs(cells: &[Option<u64>], width: usize) -> Vec<Run> {
+fn runs(hits: &[u64], cells: &[Option<u64>], width: usize) -> Vec<Run> {
     let mut runs = Vec::new();
-    for (row, cells) in cells.chunks(width).enumerate() {
-        let classes: Vec<usize> = cells.iter().map(|&cell| class(cell)).collect();
+    for (row, (hits, cells)) in hits.chunks(width).zip(cells.chunks(width)).enumerate() {
+        let classes: Vec<usize> = hits.iter().zip(cells).map(|(&hits, &cell)| class(hits, cell)).collect();
         let mut start = 0;
         for run in classes.chunk_by(|a, b| a == b) {
             let end = start + run.len();
@@ -231,7 +242,7 @@ fn runs(cells: &[Option<u64>], width: usize) -> Vec<Run> {
 /// A rectangle in the colour of a class.
 fn run(root: &Area, [from, to]: [Pixel; 2], class: usize) -> Drawn {
     root.draw(&Rectangle::new([from, to], color(class).filled()))?;
-    if class > CLASSES.len() {
+    if class == CLASSES.len() + 1 {
         let y = (from.1 + to.1) / 2;
         root.draw(&PathElement::new([(from.0, y), (to.0, y)], WHITE.mix(0.7)))?;
     }
@@ -247,24 +258,25 @@ mod tests {
     #[test]
     fn runs_cover_every_cell_exactly_once_with_its_class() {
         let record = record_of(&["triangle/cramer".into()]);
-        let (cells, width) = (&record.map_cells[0].t_ulp_p99, record.maps[0].x.len());
+        let (hits, cells, width) = (&record.maps[0].hits, &record.map_cells[0].t_ulp_p99, record.maps[0].x.len());
         let mut covered = vec![None; cells.len()];
-        let runs = runs(cells, width);
+        let runs = runs(hits, cells, width);
         assert!(runs.len() < cells.len() / 2, "{} runs", runs.len());
         for run in &runs {
             for column in run.columns.clone() {
                 assert_eq!(covered[run.row * width + column].replace(run.class), None, "{run:?}");
             }
         }
-        let expected: Vec<_> = cells.iter().map(|&cell| Some(class(cell))).collect();
+        let expected: Vec<_> = hits.iter().zip(cells).map(|(&hits, &cell)| Some(class(hits, cell))).collect();
         assert_eq!(covered, expected);
     }
 
     #[test]
     fn classes_have_colours_and_meanings_of_their_own() {
-        let classes = [Some(0), Some(1), Some(2), Some(100), Some(101), Some(100_000), Some(100_001), None].map(class);
-        assert_eq!(classes, [0, 0, 1, 2, 3, 5, 6, 7]);
-        for a in 0..8 {
+        let cells = [Some(0), Some(1), Some(2), Some(100), Some(101), Some(100_000), Some(100_001), None];
+        assert_eq!(cells.map(|cell| class(LEAST, cell)), [0, 0, 1, 2, 3, 5, 6, 7]);
+        assert_eq!(cells.map(|cell| class(LEAST - 1, cell)), [8; 8]);
+        for a in 0..KINDS {
             assert!((0..a).all(|b| color(a) != color(b) && meaning(a) != meaning(b)), "{a}");
         }
     }

@@ -14,7 +14,7 @@ const LEGEND_HEIGHT: i32 = LINE + 12;
 
 /// Draws a regime: a panel for each of its measures, over its severities.
 pub(super) fn svg(record: &Record, group: &Group, regime: &RegimeRow) -> String {
-    let panels: Vec<_> = Measure::of(regime).iter().map(|&measure| panel(group, regime, measure)).collect();
+    let panels: Vec<_> = measures(group, regime).map(|measure| panel(group, regime, measure)).collect();
     let (plot, width) = widths(panels.iter());
     let title = format!("{}, {}: {}", group.title, regime.name.replace('_', " "), regime.about);
     let remarks = [BOUND.to_owned(), machine(record)];
@@ -29,6 +29,12 @@ pub(super) fn svg(record: &Record, group: &Group, regime: &RegimeRow) -> String 
         };
         draw_stack(root, &panels, &x, top, plot)
     })
+}
+
+/// Those of which there is anything to show: empty boxes, for example, cannot be lost.
+fn measures(group: &Group, regime: &RegimeRow) -> impl Iterator<Item = Measure> {
+    let shown = |measure: &Measure| group.kernels.iter().any(|kernel| !marks(kernel, regime, *measure).is_empty());
+    Measure::of(regime).iter().copied().filter(shown)
 }
 
 /// What is where on the axis.

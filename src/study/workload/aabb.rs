@@ -35,7 +35,7 @@ impl Subject for Aabb {
             about: "Rays that start in the plane of a face and run along it: where the slope's inverse overflows, the distance \
                     of that plane is 0 times infinity.",
             axis: "slope against the face",
-            steps: &[1e-1, 1e-3, 1e-5, 1e-10, 1e-20, 1e-30, 1e-38, 1e-40, 0.0],
+            steps: &[1.0, 1e-5, 1e-10, 1e-15, 1e-20, 1e-25, 1e-30, 1e-35, 1e-40, 0.0],
             mesh: false,
             sample: |slope, rng| Sample::of(generic_box(rng), rng, |shape, rng| parallel_ray(shape, slope, rng)),
         },

@@ -115,7 +115,7 @@ impl Subject for Triangle {
         },
         Regime {
             name: "vertex_fan",
-            about: "Rays through the vertex in the middle of a fan of ever more triangles; on a grid, where half of them are, they \
+            about: "Rays through the vertex in the middle of a fan of ever more triangles; on a grid, where some of them are, they \
                     meet it exactly.",
             axis: "triangles around the vertex",
             steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0],
@@ -280,13 +280,15 @@ fn whole(rng: &mut Pcg64, range: i32) -> f32 {
 struct Grid {
     /// How many steps there are to a unit of length.
     steps: i32,
+    /// How many there are to a unit of a ray's slope.
+    slopes: i32,
 }
 
 impl Grid {
-    /// Whole numbers half of the time, on which most arithmetic is exact; else a thousandth part of them, where even a
-    /// product of three in `f64` has to be rounded.
+    /// Whole numbers half of the time, on which most arithmetic is exact; else as many digits as leave the ray exact, and
+    /// even `f64` has to round a product of three.
     fn any(rng: &mut Pcg64) -> Self {
-        Self { steps: if rng.random() { 1 } else { 1024 } }
+        if rng.random() { Self { steps: 1, slopes: 16 } } else { Self { steps: 4096, slopes: 131_072 } }
     }
 
     /// Somewhere within `range` units of the origin.
@@ -296,8 +298,7 @@ impl Grid {
 
     /// A ray that meets `target` exactly, coming down on the plane of `x` and `y`.
     fn ray(self, target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
-        let parts = 16 * self.steps.min(128);
-        let slope = |rng: &mut Pcg64| whole(rng, parts / 2) / parts as f32;
+        let slope = |rng: &mut Pcg64| whole(rng, self.slopes / 2) / self.slopes as f32;
         let dir = Vec3::new(slope(rng), slope(rng), -1.0);
         Ray::new(target - dir * rng.random_range(1..=64) as f32, dir)
     }
@@ -360,12 +361,14 @@ fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
             _ => [along - half, -half],
         }
     };
-    if rng.random() {
+    // Fewer where there are many triangles: each of them meets such a ray exactly, which the oracle's filter cannot decide.
+    if rng.random_bool((8.0 / triangles as f64).min(0.5)) {
         let grid = Grid::any(rng);
-        let hub = grid.point(1, rng);
+        let offset = Vec3::new(whole(rng, 16), whole(rng, 16), whole(rng, 16));
+        let hub = offset + grid.point(1, rng);
         let rim: Vec<Vec3> = (0..triangles)
             .map(|index| on_square(index).map(|x| 32.0 * x))
-            .map(|[x, y]| Vec3::new(x, y, 0.0) + grid.point(1, rng))
+            .map(|[x, y]| offset + Vec3::new(x, y, 0.0) + grid.point(1, rng))
             .collect();
         let rays = (0..RAYS_PER_SAMPLE).map(|_| grid.ray(hub, rng)).collect();
         let sample = Sample { rays, shapes: fan(hub, &rim, rng) };
