@@ -7,7 +7,7 @@ use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
 use raylanes::study::accuracy::Kernels;
 use raylanes::study::claims;
-use raylanes::study::record::{AccuracyRow, Record};
+use raylanes::study::record::{AccuracyRow, ClaimRow, Record};
 use raylanes::study::workload::{Regime, Subject, Workload};
 use raylanes::study::{self, Options};
 use raylanes::tracer::SceneSource;
@@ -94,11 +94,19 @@ fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
         rows.extend(regime.steps.iter().flat_map(|&severity| kernels.on_regime(regime, severity, 100_000, 7)));
     }
     let judged = claims::judged(&kernels, &rows);
-    for row in &judged {
-        println!("{row:?}");
-        assert!(row.of > 100_000, "{row:?}");
-        assert_eq!(row.claimed, row.violations == 0, "{} {}", row.id, row.claim);
+    let mut failures = Vec::new();
+    for ClaimRow { id, claim, claimed, violations, of } in &judged {
+        println!("{id}, {claim}: claimed: {claimed}, broken by {violations} of {of} rays");
+        assert!(*of > 100_000, "{id} {claim}: {of} rays are few");
+        match (claimed, violations) {
+            (true, 1..) => {
+                failures.push(format!("{id} claims to be {claim}, and is not for {violations} of {of} rays"))
+            }
+            (false, 0) => failures.push(format!("{id} does not claim to be {claim}, and is for all {of} rays")),
+            _ => {}
+        }
     }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
     let claims: BTreeSet<&str> = judged.iter().map(|row| row.claim.as_str()).collect();
     for claim in claims {
         assert!(judged.iter().any(|row| row.claim == claim && row.claimed), "nobody claims {claim}");

@@ -222,13 +222,4 @@ mod tests {
         assert!(lines.len() > 2 && lines.iter().all(|line| line.len() < 30), "{lines:?}");
         assert_eq!(lines.join(" "), text);
     }
-
-    /// Writes the made-up record's charts and report to the folder `CHARTS`, to be looked at.
-    #[test]
-    #[ignore = "for the eye"]
-    fn write_charts() {
-        let folder = std::env::var("CHARTS").expect("CHARTS names a folder");
-        crate::study::write(&record_of(&all_ids()), folder.as_ref()).unwrap();
-        print!("{}", crate::study::terminal_table(&record_of(&all_ids()), false));
-    }
 }
