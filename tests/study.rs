@@ -100,7 +100,7 @@ fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
         assert!(*of > 100_000, "{id} {claim}: {of} rays are few");
         match (claimed, violations) {
             (true, 1..) => {
-                failures.push(format!("{id} claims to be {claim}, and is not for {violations} of {of} rays"))
+                failures.push(format!("{id} claims to be {claim}, and is not for {violations} of {of} rays"));
             }
             (false, 0) => failures.push(format!("{id} does not claim to be {claim}, and is for all {of} rays")),
             _ => {}

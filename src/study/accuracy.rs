@@ -170,12 +170,13 @@ impl<S: Subject> Kernels<S> {
         let p99 = errors
             .into_iter()
             .map(|mut errors| {
+                errors.truncate(rays as usize);
                 errors.sort_unstable();
                 let p99 = errors.get(quantile(0.99, errors.len())).copied().unwrap_or(u32::MAX);
                 (p99 != u32::MAX).then_some(u64::from(p99))
             })
             .collect();
-        (hits, p99)
+        (hits.min(rays), p99)
     }
 }
 

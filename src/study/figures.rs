@@ -134,7 +134,7 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
     let shape = inner.unwrap_or(family);
     let prefix = common_prefix(kernels);
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
-    let losing = losing_workloads(record, shape, mesh);
+    let losing = losing_workloads(record, shape, mesh, kernels);
     let kernels = kernels
         .iter()
         .map(|&kernel| {
@@ -162,12 +162,13 @@ fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = &'a Accurac
 }
 
 /// Workloads whose rays are aimed at what a kernel may lose: those with meshes, and those at the boundary of a box.
-fn losing_workloads<'a>(record: &'a Record, shape: &str, mesh: bool) -> Vec<&'a str> {
+fn losing_workloads<'a>(record: &'a Record, shape: &str, mesh: bool, kernels: &[&KernelRow]) -> Vec<&'a str> {
     const BOUNDARY: [&str; 4] = ["box_edge", "box_corner", "parallel", "flat"];
     let loses = |regime: &&RegimeRow| {
         regime.family == shape && if mesh { regime.mesh } else { BOUNDARY.contains(&regime.name.as_str()) }
     };
-    let measured = |workload: &&str| *workload == "edge" || record.accuracy.iter().any(|row| row.workload == *workload);
+    let measured =
+        |workload: &&str| kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.workload == *workload));
     let regimes = record.regimes.iter().filter(loses).map(|regime| regime.name.as_str());
     ["edge"].into_iter().chain(regimes).filter(measured).collect()
 }
