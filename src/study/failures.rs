@@ -71,6 +71,23 @@ impl Measure {
         }
     }
 
+    /// The figure above which a kernel fails. A false hit of a box is no failure: it costs a look inside.
+    pub(super) fn limit(self) -> Option<f64> {
+        match self {
+            Self::FalseHit => None,
+            Self::Ulp => Some(FAILING_ULP as f64),
+            Self::Wrong | Self::Lost | Self::Leak | Self::Double => Some(FAILING_RATE),
+        }
+    }
+
+    fn fails(self, figure: Figure) -> bool {
+        let value = match figure {
+            Figure::Rate(rate) => rate.per_million,
+            Figure::Ulp(ulp) => ulp as f64,
+        };
+        self.limit().is_some_and(|limit| value > limit)
+    }
+
     /// `None` where there was nothing that could go wrong.
     pub(super) fn figure(self, row: &AccuracyRow) -> Option<Figure> {
         match self {
@@ -94,14 +111,6 @@ fn wrong(row: &AccuracyRow) -> Option<Rate> {
 }
 
 impl Figure {
-    /// Whether a kernel with this figure counts as failing.
-    pub(super) fn fails(self) -> bool {
-        match self {
-            Self::Rate(rate) => rate.per_million > FAILING_RATE,
-            Self::Ulp(ulp) => ulp > FAILING_ULP,
-        }
-    }
-
     fn in_words(self) -> String {
         match self {
             Self::Rate(rate) => format!("{} %", number(rate.per_million / 1e4, 2)),
@@ -146,7 +155,7 @@ pub(super) fn verdict(kernel: &Figures, regime: &RegimeRow) -> Option<Verdict> {
     }
     let failing = |row: &AccuracyRow| -> Vec<String> {
         let figures = Measure::of(regime).iter().filter_map(|measure| Some((measure, measure.figure(row)?)));
-        let failing = figures.filter(|(_, figure)| figure.fails());
+        let failing = figures.filter(|(measure, figure)| measure.fails(*figure));
         failing.map(|(measure, figure)| format!("{} {}", measure.name(), figure.in_words())).collect()
     };
     let failures: Vec<_> = rows.into_iter().map(|row| row.map_or(Vec::new(), failing)).collect();
@@ -248,6 +257,20 @@ mod tests {
         assert_eq!(how, "wrong 53 %, p99 101 ulp");
         record.accuracy.retain(|row| row.severity.is_none());
         assert_eq!(verdict_of(&record), None);
+    }
+
+    #[test]
+    fn a_box_fails_by_what_it_loses_not_by_false_hits() {
+        let mut record = record_of(&["aabb/padded".into()]);
+        let regime = record.regimes.iter().find(|regime| regime.name == "box_edge").unwrap().clone();
+        for row in record.accuracy.iter_mut().filter(|row| row.workload == regime.name) {
+            (row.false_miss_per_million, row.boundary_none, row.false_hit_per_million) = (0.0, 0, 1e6);
+            row.t_ulp_p99 = 1;
+        }
+        let verdict_of = |record: &Record| verdict(&groups(record)[0].kernels[0], &regime);
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: "false hits up to 100 %".into() }));
+        record.accuracy.iter_mut().for_each(|row| row.false_miss_per_million = 1e6);
+        assert!(matches!(verdict_of(&record), Some(Verdict::Fails { first: 0, .. })));
     }
 
     #[test]

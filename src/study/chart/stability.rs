@@ -4,7 +4,7 @@ use super::axis::LogAxis;
 use super::look::{Look, line};
 use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, threshold_sample, widths};
 use super::{Area, Drawn, INK, LINE, MARGIN, Pixel, TEXT, canvas, header, header_height, label, machine};
-use crate::study::failures::{FAILING_RATE, FAILING_ULP, Figure, Measure};
+use crate::study::failures::{Figure, Measure};
 use crate::study::figures::{Figures, Group, severity};
 use crate::study::record::{Record, RegimeRow};
 
@@ -61,15 +61,12 @@ fn legend(root: &Area, top: i32) -> Drawn {
 }
 
 fn panel<'a>(group: &Group<'a>, regime: &RegimeRow, measure: Measure) -> Panel<'a> {
-    let (possible, threshold) = match measure {
-        Measure::Ulp => (1.0..=f64::INFINITY, FAILING_ULP as f64),
-        _ => (0.0..=1e6, FAILING_RATE),
-    };
+    let possible = if measure == Measure::Ulp { 1.0..=f64::INFINITY } else { 0.0..=1e6 };
     let series = group.kernels.iter().map(|kernel| Series { name: kernel.name, marks: marks(kernel, regime, measure) });
     Panel {
         title: measure.title().into(),
         possible,
-        threshold: Some(threshold),
+        threshold: measure.limit(),
         frontier: false,
         series: series.collect(),
     }

@@ -19,7 +19,8 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
             .to_owned(),
         format!(
             "### What fails where\n\nA kernel fails at a step where more than {} % of the answers of one kind are wrong, or \
-             the 99th percentile of the error of `t` exceeds {FAILING_ULP} ulp. Brackets give the figures at the first such \
+             the 99th percentile of the error of `t` exceeds {FAILING_ULP} ulp. False hits of boxes are no failure: they cost \
+             a look inside. Brackets give the figures at the first such \
              step, or, of a kernel that holds, what it got wrong nevertheless.",
             number(FAILING_RATE / 1e4, 1)
         ),
