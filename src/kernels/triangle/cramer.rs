@@ -19,17 +19,14 @@
 use glam::Vec3;
 use wide::f32x8;
 
+use super::Vertices;
 use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, ne8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for Cramer's rule: the vertices as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cramer<P: Lanes> {
-    v0: P::Vec3,
-    v1: P::Vec3,
-    v2: P::Vec3,
-}
+pub struct Cramer<P: Lanes>(Vertices<P>);
 
 impl Kernel for Cramer<f32> {
     type Shape = Triangle;
@@ -43,15 +40,11 @@ impl Kernel for Cramer<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { v0: shape.v0, v1: shape.v1, v2: shape.v2 }
+        Self(shape.into())
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Cramer {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            v1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v1)),
-            v2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v2)),
-        }
+        Cramer(Vertices::gather(primitives.map(|primitive| primitive.0)))
     }
 }
 
@@ -75,7 +68,7 @@ impl Intersect<f32> for Cramer<f32> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let Self { v0, v1, v2 } = *self;
+        let Vertices { v0, v1, v2 } = self.0;
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
@@ -98,7 +91,7 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let (v0, v1, v2) = (P::widen_vec3(self.v0), P::widen_vec3(self.v1), P::widen_vec3(self.v2));
+        let Vertices { v0, v1, v2 } = self.0.widen();
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin

@@ -19,17 +19,14 @@
 
 use wide::{f32x8, f64x8};
 
+use super::Vertices;
 use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge64, le64, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the Möller–Trumbore test in `f64`: the vertices as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MollerTrumboreF64<P: Lanes> {
-    v0: P::Vec3,
-    v1: P::Vec3,
-    v2: P::Vec3,
-}
+pub struct MollerTrumboreF64<P: Lanes>(Vertices<P>);
 
 impl Kernel for MollerTrumboreF64<f32> {
     type Shape = Triangle;
@@ -43,15 +40,11 @@ impl Kernel for MollerTrumboreF64<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { v0: shape.v0, v1: shape.v1, v2: shape.v2 }
+        Self(shape.into())
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        MollerTrumboreF64 {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            v1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v1)),
-            v2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v2)),
-        }
+        MollerTrumboreF64(Vertices::gather(primitives.map(|primitive| primitive.0)))
     }
 }
 
@@ -86,7 +79,8 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let (v0, v1, v2) = (self.v0.as_dvec3(), self.v1.as_dvec3(), self.v2.as_dvec3());
+        let Vertices { v0, v1, v2 } = self.0;
+        let (v0, v1, v2) = (v0.as_dvec3(), v1.as_dvec3(), v2.as_dvec3());
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
 
         let (e1, e2) = (v1 - v0, v2 - v0);
@@ -113,7 +107,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let (v0, v1, v2) = (P::widen_vec3(self.v0), P::widen_vec3(self.v1), P::widen_vec3(self.v2));
+        let Vertices { v0, v1, v2 } = self.0.widen();
         let (v0, v1, v2) = (double8(v0), double8(v1), double8(v2));
         let (origin, dir) = (double8(ray.origin), double8(ray.dir));
         let (zero, one) = (f64x8::splat(0.0), f64x8::splat(1.0));

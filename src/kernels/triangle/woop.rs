@@ -36,7 +36,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::normal;
+use super::{Vertices, normal};
 use crate::geom::lanes::{
     Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, gt8, le8, lt8, max, max8, min, min8, to_f32x8, to_f64x8,
 };
@@ -59,7 +59,7 @@ impl Kernel for Woop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(Vertices::prepare(shape))
+        Self(prepare(shape))
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
@@ -109,32 +109,13 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
     }
 }
 
-/// What the watertight tests store: the vertices as they are, or NaN for a triangle that misses everything.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertices<P: Lanes> {
-    v0: P::Vec3,
-    v1: P::Vec3,
-    v2: P::Vec3,
-}
-
-impl Vertices<f32> {
-    pub(super) fn prepare(shape: &Triangle) -> Self {
-        let squared = normal(shape).length_squared();
-        if squared > 0.0 && squared < f64::INFINITY {
-            Self { v0: shape.v0, v1: shape.v1, v2: shape.v2 }
-        } else {
-            Self { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN }
-        }
-    }
-}
-
-impl Vertices<f32x8> {
-    pub(super) fn gather(primitives: [Vertices<f32>; 8]) -> Self {
-        Self {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            v1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v1)),
-            v2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v2)),
-        }
+/// The vertices as they are, or NaN for a triangle that misses everything.
+pub(super) fn prepare(shape: &Triangle) -> Vertices<f32> {
+    let squared = normal(shape).length_squared();
+    if squared > 0.0 && squared < f64::INFINITY {
+        shape.into()
+    } else {
+        Vertices { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN }
     }
 }
 
@@ -329,7 +310,7 @@ impl Sheared {
 impl Sheared8 {
     #[inline(always)]
     pub(super) fn of<P: Lanes>(vertices: &Vertices<P>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
-        let (v0, v1, v2) = (P::widen_vec3(vertices.v0), P::widen_vec3(vertices.v1), P::widen_vec3(vertices.v2));
+        let Vertices { v0, v1, v2 } = vertices.widen();
         let [a, b, c] = setup.turn([v0 - ray.origin, v1 - ray.origin, v2 - ray.origin]);
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }

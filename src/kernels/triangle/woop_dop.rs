@@ -21,7 +21,8 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, Vertices};
+use super::Vertices;
+use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, prepare};
 use crate::geom::lanes::{Lanes, Vec3x8, mul_add, mul_add8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -42,7 +43,7 @@ impl Kernel for WoopDop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(Vertices::prepare(shape))
+        Self(prepare(shape))
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {

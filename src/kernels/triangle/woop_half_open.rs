@@ -27,7 +27,8 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, Vertices};
+use super::Vertices;
+use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, prepare};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -48,7 +49,7 @@ impl Kernel for WoopHalfOpen<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(Vertices::prepare(shape))
+        Self(prepare(shape))
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
