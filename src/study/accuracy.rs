@@ -69,6 +69,11 @@ fn truths<S: Exact>(sample: &Sample<S>) -> Vec<Truth> {
     sample.rays.iter().flat_map(|ray| sample.shapes.iter().map(|shape| shape.truth(ray))).collect()
 }
 
+/// Whether every kernel should report the hit: it hangs on no equality, and its `t` does not exceed `f32`.
+fn is_strict(truth: &Truth) -> bool {
+    truth.hit && !truth.boundary && truth.t.is_finite()
+}
+
 /// Where samples come from.
 struct Source<'a, S> {
     workload: &'a str,
@@ -156,7 +161,6 @@ impl<S: Subject> Kernels<S> {
         for index in 0..16 * rays / RAYS_PER_SAMPLE as u64 {
             let sample = (map.sample)(severities, &mut rng(seed, S::FAMILY, map.name, &severities, index));
             let truths = truths(&sample);
-            let is_strict = |truth: &Truth| truth.hit && !truth.boundary && truth.t.is_finite();
             hits += truths.iter().filter(|truth| is_strict(truth)).count() as u64;
             for (kernel, errors) in self.0.iter().zip(&mut errors) {
                 let strict = truths.iter().zip((kernel.hits)(&sample)).filter(|(truth, _)| is_strict(truth));
@@ -220,19 +224,13 @@ impl Tally {
         self.rays += 1;
         for (truth, hit) in truths.iter().zip(hits) {
             self.tests += 1;
-            match (truth.hit, truth.boundary) {
-                // Where t exceeds f32, no kernel can report the hit.
-                (true, false) if truth.t.is_infinite() => {}
-                (true, false) => {
-                    self.strict_hits += 1;
-                    self.false_misses += u64::from(!hit.mask);
-                }
-                (false, _) => {
-                    self.misses += 1;
-                    self.false_hits += u64::from(hit.mask);
-                }
-                // What happens exactly on a boundary is reported, never counted as an error.
-                (true, true) => {}
+            // What happens exactly on a boundary is reported, never counted as an error.
+            if is_strict(truth) {
+                self.strict_hits += 1;
+                self.false_misses += u64::from(!hit.mask);
+            } else if !truth.hit {
+                self.misses += 1;
+                self.false_hits += u64::from(hit.mask);
             }
             if truth.hit && hit.mask {
                 self.agreed(truth, hit, ray);

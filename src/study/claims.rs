@@ -1,16 +1,19 @@
 //! What became of each promise, kept or not made, in the rows that put it to the test.
 
 use super::accuracy::Kernels;
+use super::figures::{Rate, doubles, leaks, lost_by_boxes};
 use super::record::{AccuracyRow, ClaimRow};
 use crate::geom::{Aabb, Shape, Triangle};
 use crate::kernels::Claim;
 
 /// Which rows put a claim to the test.
 fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
+    let (at_edges, at_vertices) =
+        (row.workload == "shared_edge", ["vertex_fan", "closed_mesh"].contains(&row.workload.as_str()));
     match claim {
-        Claim::EdgeWatertight => row.workload == "shared_edge",
-        Claim::VertexWatertight => ["vertex_fan", "closed_mesh"].contains(&row.workload.as_str()),
-        Claim::SingleHit => ["shared_edge", "vertex_fan", "closed_mesh"].contains(&row.workload.as_str()),
+        Claim::EdgeWatertight => at_edges,
+        Claim::VertexWatertight => at_vertices,
+        Claim::SingleHit => at_edges || at_vertices,
         Claim::Conservative => true,
     }
 }
@@ -25,17 +28,14 @@ fn family(claim: Claim) -> &'static str {
 
 /// Violations, and what they are violations among.
 fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
-    let events = |per_million: f64, of: u64| (per_million * of as f64 / 1e6).round() as u64;
-    let leaks = events(row.leak_per_million, row.mesh_hits);
+    let count = |rate: Option<Rate>| rate.map_or([0; 2], |rate| [rate.events().round() as u64, rate.of]);
     match claim {
-        Claim::EdgeWatertight | Claim::VertexWatertight => [leaks, row.mesh_hits],
+        Claim::EdgeWatertight | Claim::VertexWatertight => count(leaks(row)),
         Claim::SingleHit => {
-            [leaks + events(row.double_per_million, row.single_hits) + row.boundary_many, row.mesh_hits]
+            let ([leaks, of], [doubles, _]) = (count(leaks(row)), count(doubles(row)));
+            [leaks + doubles + row.boundary_many, of]
         }
-        Claim::Conservative => [
-            events(row.false_miss_per_million, row.exact_hits) + row.boundary_none,
-            row.exact_hits + row.boundary_none + row.boundary_one + row.boundary_many,
-        ],
+        Claim::Conservative => count(lost_by_boxes(row)),
     }
 }
 

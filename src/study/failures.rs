@@ -1,6 +1,6 @@
 //! How a regime breaks kernels: what is measured at each of its steps, and from which step on a kernel fails.
 
-use super::figures::{Figures, Rate, count, leaks, lost_by_boxes, number, severity, ulp_p99};
+use super::figures::{Figures, Rate, count, doubles, leaks, lost_by_boxes, number, severity, ulp_p99};
 use super::record::{AccuracyRow, RegimeRow};
 
 /// A kernel fails at a step where more than this is wrong, per million: 0.1 %.
@@ -95,7 +95,7 @@ impl Measure {
             Self::Lost => lost_by_boxes(row).map(Figure::Rate),
             Self::FalseHit => Rate::new(row.false_hit_per_million, row.exact_misses).map(Figure::Rate),
             Self::Leak => leaks(row).map(Figure::Rate),
-            Self::Double => Rate::new(row.double_per_million, row.single_hits).map(Figure::Rate),
+            Self::Double => doubles(row).map(Figure::Rate),
             Self::Ulp => ulp_p99(row).map(Figure::Ulp),
         }
     }

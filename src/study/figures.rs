@@ -185,6 +185,11 @@ pub(super) fn leaks(row: &AccuracyRow) -> Option<Rate> {
     Rate::new(row.leak_per_million, row.mesh_hits)
 }
 
+/// Rays that hit one triangle of a mesh strictly inside, and are reported to hit several.
+pub(super) fn doubles(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.double_per_million, row.single_hits)
+}
+
 /// A box has no neighbour that could catch what it loses, so its boundary counts like its interior.
 pub(super) fn lost_by_boxes(row: &AccuracyRow) -> Option<Rate> {
     let of = row.exact_hits + row.boundary_none + row.boundary_one + row.boundary_many;

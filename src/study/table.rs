@@ -37,8 +37,7 @@ fn claims(record: &Record) -> Option<String> {
 
 /// The workload that most rays are lost in, where any is.
 fn lost_in(kernel: &Figures) -> String {
-    let row = kernel.lost_in.filter(|_| kernel.loses());
-    row.map_or(String::new(), |row| match row.severity {
+    kernel.lost_in.map_or(String::new(), |row| match row.severity {
         Some(step) => format!("{} {}", row.workload, severity(step)),
         None => row.workload.clone(),
     })

@@ -24,7 +24,7 @@
 
 use wide::f32x8;
 
-use super::normal;
+use super::{Vertices, normal};
 use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -32,9 +32,7 @@ use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 /// Triangles for the Plücker test: the vertices and the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pluecker<P: Lanes> {
-    v0: P::Vec3,
-    v1: P::Vec3,
-    v2: P::Vec3,
+    vertices: Vertices<P>,
     n: P::Vec3,
 }
 
@@ -50,14 +48,12 @@ impl Kernel for Pluecker<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { v0: shape.v0, v1: shape.v1, v2: shape.v2, n: normal(shape).as_vec3() }
+        Self { vertices: shape.into(), n: normal(shape).as_vec3() }
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         Pluecker {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            v1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v1)),
-            v2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v2)),
+            vertices: Vertices::gather(primitives.map(|primitive| primitive.vertices)),
             n: Vec3x8::from_lanes(primitives.map(|primitive| primitive.n)),
         }
     }
@@ -71,7 +67,8 @@ impl Intersect<f32> for Pluecker<f32> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let (a, b, c) = (self.v0 - ray.origin, self.v1 - ray.origin, self.v2 - ray.origin);
+        let Vertices { v0, v1, v2 } = self.vertices;
+        let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
         // The weights of v1, v2 and v0, up to a common factor.
         let u = (a - c).cross(a + c).dot(ray.dir);
@@ -99,7 +96,7 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let n = P::widen_vec3(self.n);
         let (zero, one) = (f32x8::ZERO, f32x8::ONE);
-        let (v0, v1, v2) = (P::widen_vec3(self.v0), P::widen_vec3(self.v1), P::widen_vec3(self.v2));
+        let Vertices { v0, v1, v2 } = self.vertices.widen();
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
         // The weights of v1, v2 and v0, up to a common factor.

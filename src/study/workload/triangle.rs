@@ -285,10 +285,13 @@ struct Grid {
 }
 
 impl Grid {
-    /// Whole numbers half of the time, on which most arithmetic is exact; else as many digits as leave the ray exact, and
-    /// even `f64` has to round a product of three.
+    /// Whole numbers, on which most arithmetic is exact.
+    const COARSE: Self = Self { steps: 1, slopes: 16 };
+    /// As many digits as leave the ray exact; even `f64` has to round a product of three.
+    const FINE: Self = Self { steps: 4096, slopes: 131_072 };
+
     fn any(rng: &mut Pcg64) -> Self {
-        if rng.random() { Self { steps: 1, slopes: 16 } } else { Self { steps: 4096, slopes: 131_072 } }
+        if rng.random() { Self::COARSE } else { Self::FINE }
     }
 
     /// Somewhere within `range` units of the origin.
@@ -318,7 +321,7 @@ fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
 /// A fan on a grid, and rays that meet its spokes exactly, and its hub.
 fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
     let grid = Grid::any(rng);
-    let offset = Vec3::new(whole(rng, 16), whole(rng, 16), whole(rng, 16));
+    let offset = Grid::COARSE.point(16, rng);
     let hub = offset + grid.point(1, rng);
     let rim = COMPASS.map(|[x, y]| offset + Vec3::new(4.0 * x, 4.0 * y, 0.0) + grid.point(2, rng));
     let rays = (0..RAYS_PER_SAMPLE).map(|_| {
@@ -364,7 +367,7 @@ fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
     // Fewer where there are many triangles: each of them meets such a ray exactly, which the oracle's filter cannot decide.
     if rng.random_bool((8.0 / triangles as f64).min(0.5)) {
         let grid = Grid::any(rng);
-        let offset = Vec3::new(whole(rng, 16), whole(rng, 16), whole(rng, 16));
+        let offset = Grid::COARSE.point(16, rng);
         let hub = offset + grid.point(1, rng);
         let rim: Vec<Vec3> = (0..triangles)
             .map(|index| on_square(index).map(|x| 32.0 * x))
