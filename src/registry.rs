@@ -5,11 +5,12 @@
 //! monomorphic. To add a kernel, write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one
 //! line here.
 
-use crate::geom::{Aabb, Placed, Triangle};
+use crate::geom::{Aabb, Placed, Quadric, Triangle};
 #[cfg(fused)]
 use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
 use crate::kernels::instance::Instance;
+use crate::kernels::quadric::Naive;
 #[cfg(fused)]
 use crate::kernels::triangle::WoopDop;
 use crate::kernels::triangle::{
@@ -47,6 +48,11 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
     visitor.visit::<MollerTrumboreF64<f32>>();
 }
 
+/// The tests for surfaces of second degree; every one of them can drive the tracer.
+pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
+    visitor.visit::<Naive<f32>>();
+}
+
 /// An instance of each kernel.
 pub fn instances(visitor: &mut (impl Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>)) {
     Placed::<Aabb>::visit_kernels(visitor);
@@ -68,6 +74,12 @@ impl Registered for Aabb {
 impl Registered for Triangle {
     fn visit_kernels(visitor: &mut impl Visitor<Self>) {
         triangles(visitor);
+    }
+}
+
+impl Registered for Quadric {
+    fn visit_kernels(visitor: &mut impl Visitor<Self>) {
+        quadrics(visitor);
     }
 }
 

@@ -13,6 +13,7 @@ use super::lanes::{Lanes, Mask8, eq8, min};
 /// | --- | --- | --- |
 /// | triangle | where the ray meets it | barycentrics: `p = v0 + u·(v1 - v0) + v·(v2 - v0)` |
 /// | box | where the ray enters it, clipped to the ray's interval | `u`: where it leaves, clipped; `v = 0` |
+/// | quadric | where the ray meets it | 0 |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit<L: Lanes> {
     /// Which lanes hit.
@@ -25,28 +26,33 @@ pub struct Hit<L: Lanes> {
     pub v: L,
     /// Which primitive was hit; 0 where there is only one, `u32::MAX` in a lane that misses.
     pub primitive: L::Index,
+    /// Which instance of a scene; 0 where there is only one, `u32::MAX` in a lane that misses.
+    pub instance: L::Index,
 }
 
 impl Hit<f32> {
     /// The content of every miss.
-    pub const MISS: Self = Self { mask: false, t: f32::INFINITY, u: 0.0, v: 0.0, primitive: u32::MAX };
+    pub const MISS: Self =
+        Self { mask: false, t: f32::INFINITY, u: 0.0, v: 0.0, primitive: u32::MAX, instance: u32::MAX };
 
     /// A hit of primitive 0 where `mask` is set, else [`Hit::MISS`].
     #[inline(always)]
     pub fn new(mask: bool, t: f32, u: f32, v: f32) -> Self {
-        if mask { Self { mask, t, u, v, primitive: 0 } } else { Self::MISS }
+        if mask { Self { mask, t, u, v, primitive: 0, instance: 0 } } else { Self::MISS }
     }
 
-    /// The bits of `t`, `u`, `v` and the primitive number. They determine the mask.
+    /// The bits of `t`, `u`, `v`, and the numbers of primitive and instance. They determine the mask.
     #[inline]
-    pub fn to_bits(&self) -> [u32; 4] {
-        [self.t.to_bits(), self.u.to_bits(), self.v.to_bits(), self.primitive]
+    pub fn to_bits(&self) -> [u32; 5] {
+        [self.t.to_bits(), self.u.to_bits(), self.v.to_bits(), self.primitive, self.instance]
     }
 
-    /// Whether this hit comes before `other`: smaller `t`, and the lower primitive number between equal `t`.
+    /// Whether this hit comes before `other`: smaller `t`, and between equal `t` the lower instance number, and between
+    /// equal instances the lower primitive number.
     #[inline(always)]
     pub fn is_closer_than(&self, other: &Self) -> bool {
-        (self.t < other.t) | ((self.t == other.t) & (self.primitive < other.primitive))
+        let number = |hit: &Self| (hit.instance, hit.primitive);
+        (self.t < other.t) | ((self.t == other.t) & (number(self) < number(other)))
     }
 }
 
@@ -60,12 +66,14 @@ impl Hit<f32x8> {
     /// A hit of primitive 0 in the lanes of `mask`, [`Hit::MISS`] in the others.
     #[inline(always)]
     pub fn new(mask: Mask8, t: f32x8, u: f32x8, v: f32x8) -> Self {
+        let number = mask.select_u32(u32x8::splat(0), u32x8::splat(u32::MAX));
         Self {
             mask,
             t: mask.select(t, f32x8::splat(f32::INFINITY)),
             u: mask.select(u, f32x8::ZERO),
             v: mask.select(v, f32x8::ZERO),
-            primitive: mask.select_u32(u32x8::splat(0), u32x8::splat(u32::MAX)),
+            primitive: number,
+            instance: number,
         }
     }
 
@@ -81,6 +89,7 @@ impl Hit<f32x8> {
             u: self.u.to_array()[index],
             v: self.v.to_array()[index],
             primitive: self.primitive.to_array()[index],
+            instance: self.instance.to_array()[index],
         }
     }
 
@@ -114,6 +123,7 @@ impl Hit<f32x8> {
             u: lanes.select(other.u, self.u),
             v: lanes.select(other.v, self.v),
             primitive: lanes.select_u32(other.primitive, self.primitive),
+            instance: lanes.select_u32(other.instance, self.instance),
         };
     }
 
@@ -142,11 +152,13 @@ mod tests {
     }
 
     #[test]
-    fn the_lower_primitive_wins_between_equal_t() {
+    fn the_lower_instance_and_then_the_lower_primitive_wins_between_equal_t() {
         let mut first = Hit::<f32>::new(true, 1.0, 0.0, 0.0);
         let mut second = first;
         first.primitive = 3;
         second.primitive = 4;
+        assert!(first.is_closer_than(&second) && !second.is_closer_than(&first));
+        (second.primitive, second.instance) = (2, 1);
         assert!(first.is_closer_than(&second) && !second.is_closer_than(&first));
         assert!(!first.is_closer_than(&first));
         assert!(second.is_closer_than(&Hit::MISS) && !Hit::<f32>::MISS.is_closer_than(&Hit::MISS));

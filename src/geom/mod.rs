@@ -8,4 +8,4 @@ mod shapes;
 pub use hit::Hit;
 pub use lanes::{Lanes, Mask8, Vec3x8};
 pub use ray::Ray;
-pub use shapes::{Aabb, Placed, Shape, Triangle};
+pub use shapes::{Aabb, Placed, Quadric, Shape, Triangle};

@@ -1,6 +1,6 @@
 //! Plain data: what is intersected, before any kernel prepares it.
 
-use glam::{Affine3, Vec3};
+use glam::{Affine3, Vec2, Vec3};
 
 /// A shape that kernels intersect, and the name of its family of kernels.
 pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
@@ -14,6 +14,10 @@ impl Shape for Aabb {
 
 impl Shape for Triangle {
     const FAMILY: &'static str = "triangle";
+}
+
+impl Shape for Quadric {
+    const FAMILY: &'static str = "quadric";
 }
 
 impl<S: Shape> Shape for Placed<S> {
@@ -110,6 +114,141 @@ impl Aabb {
     }
 }
 
+/// The part within a box of the surface `f(p) = 0`, where `f` is a polynomial of second degree in x, y and z. Its outside,
+/// where its normal points to, is where `f` is positive.
+///
+/// The constructors make the kinds that have names, about the z axis; whatever is turned, sheared or moved elsewhere is
+/// [`Placed`]. Where such a surface closes within its box (all of a sphere, the waist of a cylinder) the box is wider than
+/// the surface by one part in 1024, so that it cuts away only what it is meant to cut away: a box that touched the surface
+/// would leave it to rounding whether the points of contact belong to it.
+///
+/// A quadric with a NaN or an infinity among its coefficients, or with an empty box, misses every ray.
+///
+/// Source: P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", implicit surfaces; the kinds are those of any
+/// textbook on analytic geometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quadric {
+    /// Coefficients of x², y² and z².
+    pub squares: Vec3,
+    /// Coefficients of yz, zx and xy.
+    pub products: Vec3,
+    /// Coefficients of x, y and z.
+    pub linear: Vec3,
+    /// The constant.
+    pub constant: f32,
+    /// What lies outside of this box is cut away. Its surface belongs to it.
+    pub clip: Aabb,
+}
+
+impl Quadric {
+    /// How much wider than the surface a box is where it must not touch it.
+    const SLACK: f32 = 1.0 + 1.0 / 1024.0;
+
+    /// Without products and linear terms, in the box of which `half` is the greatest corner and `-half` the least.
+    fn central(squares: Vec3, constant: f32, half: Vec3) -> Self {
+        let clip = Aabb { lo: -half, hi: half };
+        Self { squares, products: Vec3::ZERO, linear: Vec3::ZERO, constant, clip }
+    }
+
+    /// `x² + y² + z² = radius²`.
+    pub fn sphere(radius: f32) -> Self {
+        Self::central(Vec3::ONE, -(radius * radius), Vec3::splat(radius * Self::SLACK))
+    }
+
+    /// `x²/a² + y²/b² + z²/c² = 1`, with the semi-axes a, b and c.
+    pub fn ellipsoid(semi_axes: Vec3) -> Self {
+        Self::central((semi_axes * semi_axes).recip(), -1.0, semi_axes * Self::SLACK)
+    }
+
+    /// `x² + y² = radius²`, `|z| <= half_height`: without caps.
+    pub fn cylinder(radius: f32, half_height: f32) -> Self {
+        let round = radius * Self::SLACK;
+        Self::central(Vec3::new(1.0, 1.0, 0.0), -(radius * radius), Vec3::new(round, round, half_height))
+    }
+
+    /// `x² + y² = (radius/height)²·z²`, `0 <= z <= height`: the apex is the origin, and the base, which is open, has this
+    /// radius.
+    pub fn cone(radius: f32, height: f32) -> Self {
+        let (slope, round) = (radius / height, radius * Self::SLACK);
+        let mut cone = Self::central(Vec3::new(1.0, 1.0, -(slope * slope)), 0.0, Vec3::new(round, round, height));
+        cone.clip.lo.z = 0.0;
+        cone
+    }
+
+    /// `x² + y² = radius²·z/height`, `z <= height`: a bowl with this radius at the rim.
+    pub fn paraboloid(radius: f32, height: f32) -> Self {
+        let round = radius * Self::SLACK;
+        Self {
+            linear: Vec3::new(0.0, 0.0, -(radius * radius / height)),
+            clip: Aabb {
+                lo: Vec3::new(-round, -round, height * (1.0 - Self::SLACK)),
+                hi: Vec3::new(round, round, height),
+            },
+            ..Self::central(Vec3::new(1.0, 1.0, 0.0), 0.0, Vec3::ZERO)
+        }
+    }
+
+    /// `x²/a² + y²/b² = z/height`, `z <= height`: a bowl whose rim is an ellipse with the semi-axes a and b.
+    pub fn elliptic_paraboloid(semi_axes: Vec2, height: f32) -> Self {
+        let (round, squares) = (semi_axes * Self::SLACK, (semi_axes * semi_axes).recip());
+        Self {
+            linear: Vec3::new(0.0, 0.0, -height.recip()),
+            clip: Aabb {
+                lo: Vec3::new(-round.x, -round.y, height * (1.0 - Self::SLACK)),
+                hi: Vec3::new(round.x, round.y, height),
+            },
+            ..Self::central(squares.extend(0.0), 0.0, Vec3::ZERO)
+        }
+    }
+
+    /// `x²/a² + y²/b² - z²/c² = 1`, `|z| <= half_height`: in one piece, with an ellipse of semi-axes a and b as its waist.
+    pub fn hyperboloid_of_one_sheet(semi_axes: Vec3, half_height: f32) -> Self {
+        let squares = (semi_axes * semi_axes).recip();
+        let rim = semi_axes.truncate() * Vec2::new(1.0, half_height / semi_axes.z).length() * Self::SLACK;
+        Self::central(squares * Vec3::new(1.0, 1.0, -1.0), -1.0, rim.extend(half_height))
+    }
+
+    /// `z²/c² - x²/a² - y²/b² = 1`, `|z| <= half_height`: in two pieces, from `|z| = c` on; the outside is between them. For a
+    /// `half_height` below c nothing is left.
+    pub fn hyperboloid_of_two_sheets(semi_axes: Vec3, half_height: f32) -> Self {
+        let squares = (semi_axes * semi_axes).recip();
+        // The rim's ellipse is smaller than the asymptotic cone's.
+        let rim = semi_axes.truncate() * (half_height / semi_axes.z);
+        Self::central(squares * Vec3::new(1.0, 1.0, -1.0), 1.0, rim.extend(half_height))
+    }
+
+    /// `f(point)`.
+    #[inline]
+    pub fn value(&self, point: Vec3) -> f32 {
+        let Vec3 { x, y, z } = point;
+        self.squares.dot(point * point)
+            + self.products.dot(Vec3::new(y * z, z * x, x * y))
+            + self.linear.dot(point)
+            + self.constant
+    }
+
+    /// The normal at a point of the surface: the gradient of `f`, of unit length; zero where it vanishes, as at the apex of a
+    /// cone.
+    #[inline]
+    pub fn normal(&self, point: Vec3) -> Vec3 {
+        let (Vec3 { x, y, z }, Vec3 { x: yz, y: zx, z: xy }) = (point, self.products);
+        let mixed = Vec3::new(xy * y + zx * z, xy * x + yz * z, zx * x + yz * y);
+        (self.squares * point * 2.0 + mixed + self.linear).normalize_or_zero()
+    }
+
+    /// A box around it: the one it is clipped by, or [`Aabb::EMPTY`] for a quadric that misses every ray.
+    #[inline]
+    pub fn bounds(&self) -> Aabb {
+        if self.is_finite() { self.clip.or_empty() } else { Aabb::EMPTY }
+    }
+
+    /// Whether every coefficient is finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        self.squares.is_finite() & self.products.is_finite() & self.linear.is_finite() & self.constant.is_finite()
+    }
+}
+
 /// A shape put into the world by an affine transform: what an instance is, before it is prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed<S> {
@@ -129,6 +268,40 @@ mod tests {
         assert_eq!(triangle.normal(), Vec3::Z);
         assert_eq!(Triangle { v1: Vec3::Y, v2: Vec3::X, ..triangle }.normal(), -Vec3::Z);
         assert_eq!(Triangle { v2: Vec3::X, ..triangle }.normal(), Vec3::ZERO);
+    }
+
+    #[test]
+    fn named_quadrics_pass_through_their_points() {
+        let abc = Vec3::new(2.0, 3.0, 4.0);
+        let cases = [
+            (Quadric::sphere(2.0), Vec3::new(0.0, 2.0, 0.0), Vec3::Y),
+            (Quadric::ellipsoid(abc), Vec3::new(0.0, -3.0, 0.0), Vec3::NEG_Y),
+            (Quadric::cylinder(2.0, 5.0), Vec3::new(-2.0, 0.0, 5.0), Vec3::NEG_X),
+            (Quadric::cone(2.0, 4.0), Vec3::new(0.0, 2.0, 4.0), Vec3::new(0.0, 2.0, -1.0).normalize()),
+            (Quadric::paraboloid(2.0, 4.0), Vec3::new(2.0, 0.0, 4.0), Vec3::new(4.0, 0.0, -1.0).normalize()),
+            (
+                Quadric::elliptic_paraboloid(Vec2::new(2.0, 3.0), 4.0),
+                Vec3::new(0.0, 3.0, 4.0),
+                Vec3::new(0.0, 2.0 / 3.0, -0.25).normalize(),
+            ),
+            (Quadric::hyperboloid_of_one_sheet(abc, 8.0), Vec3::new(2.0, 0.0, 0.0), Vec3::X),
+            (Quadric::hyperboloid_of_two_sheets(abc, 8.0), Vec3::new(0.0, 0.0, 4.0), Vec3::NEG_Z),
+        ];
+        for (quadric, point, normal) in cases {
+            assert!(quadric.value(point).abs() < 1e-6, "{quadric:?} at {point}: {}", quadric.value(point));
+            assert!(quadric.normal(point).abs_diff_eq(normal, 1e-6), "{quadric:?}: {}", quadric.normal(point));
+            let Aabb { lo, hi } = quadric.bounds();
+            assert!(point.cmpge(lo).all() && point.cmple(hi).all(), "{quadric:?}: {point}");
+        }
+        // A saddle, xy = z, has its gradient at (1, 2, 2) along (2, 1, -1).
+        let saddle = Quadric {
+            products: Vec3::new(0.0, 0.0, 1.0),
+            linear: Vec3::NEG_Z,
+            ..Quadric::central(Vec3::ZERO, 0.0, Vec3::splat(9.0))
+        };
+        assert_eq!(saddle.value(Vec3::new(1.0, 2.0, 2.0)), 0.0);
+        let normal = saddle.normal(Vec3::new(1.0, 2.0, 2.0));
+        assert!(normal.abs_diff_eq(Vec3::new(2.0, 1.0, -1.0).normalize(), 1e-6), "{normal}");
     }
 
     #[test]

@@ -12,6 +12,7 @@
 
 pub mod aabb;
 pub mod instance;
+pub mod quadric;
 pub mod triangle;
 
 use wide::f32x8;

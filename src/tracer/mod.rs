@@ -28,6 +28,7 @@ mod rayfile;
 mod scene;
 mod source;
 mod trace;
+mod world;
 
 pub use builtin::{BuiltIn, Light};
 pub use camera::{Camera, block_order};
@@ -41,3 +42,4 @@ pub use rayfile::{read_rays, write_hits, write_rays};
 pub use scene::Scene;
 pub use source::SceneSource;
 pub use trace::{Mode, checksum, thread_pool, trace};
+pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};

@@ -93,7 +93,8 @@ fn encode_ray(ray: &Ray<f32>) -> [u8; RAY_BYTES] {
 }
 
 fn encode_hit(hit: &Hit<f32>) -> [u8; HIT_BYTES] {
-    little_endian(hit.to_bits())
+    let [t, u, v, primitive, _] = hit.to_bits();
+    little_endian([t, u, v, primitive])
 }
 
 fn little_endian<const WORDS: usize, const BYTES: usize>(words: [u32; WORDS]) -> [u8; BYTES] {

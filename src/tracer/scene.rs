@@ -100,7 +100,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let exit = pad8(exit, slab_setup.t_max);
         let t = lanes::min8(lanes::max8(hit.t, entry), exit);
         let mask = hit.mask & le8(entry, exit) & lt8(entry, f32x8::splat(f32::INFINITY));
-        Some(Hit { mask, t, u: hit.u, v: hit.v, primitive: u32x8::splat(primitive) })
+        Some(Hit { mask, t, u: hit.u, v: hit.v, primitive: u32x8::splat(primitive), instance: hit.instance })
     }
 
     /// The primitive in a slot, and the box of its triangle.

@@ -19,7 +19,6 @@ pub use division::Division;
 #[cfg(fused)]
 pub use fused::Fused;
 pub use padded::Padded;
-#[cfg(feature = "tracer")]
 pub(crate) use padded::{pad, pad8};
 pub use reciprocal::Reciprocal;
 pub use sign_selected::SignSelected;
@@ -52,7 +51,7 @@ impl Slabs<f32> {
 }
 
 impl Slabs<f32x8> {
-    fn gather(boxes: [Slabs<f32>; 8]) -> Self {
+    pub(crate) fn gather(boxes: [Slabs<f32>; 8]) -> Self {
         Self { lo: Vec3x8::from_lanes(boxes.map(|b| b.lo)), hi: Vec3x8::from_lanes(boxes.map(|b| b.hi)) }
     }
 }
