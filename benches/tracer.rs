@@ -17,7 +17,7 @@ struct Pictures<'a> {
 
 impl Visitor<Triangle> for Pictures<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        let scene = Scene::<K>::new(self.mesh.clone());
+        let scene = Scene::<K>::from(self.mesh.clone());
         let mut group = self.criterion.benchmark_group(format!("{}/{}", self.name, K::INFO.id));
         group.throughput(Throughput::Elements(self.rays.len() as u64));
         for threads in [1, 2] {

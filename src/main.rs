@@ -320,7 +320,7 @@ impl TriangleTask for Trace<'_> {
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
         let Self { arguments, loaded: Loaded { mesh, pool, .. }, rays, mode } = self;
         let start = Instant::now();
-        let scene = pool.install(|| Scene::<K>::new(mesh));
+        let scene = pool.install(|| Scene::<K>::from(mesh));
         let build_seconds = start.elapsed().as_secs_f64();
         let trace = || pool.install(|| tracer::trace(&scene, &rays, arguments.any_hit, mode));
         let mut hits = trace(); // not counted: it warms up
@@ -332,7 +332,7 @@ impl TriangleTask for Trace<'_> {
         }
         let result = TraceResult {
             scene: arguments.scene.scene.clone(),
-            triangles: scene.mesh().len(),
+            triangles: scene.primitives(),
             rays: rays.len(),
             hits: hits.iter().filter(|hit| hit.mask).count(),
             mrays_per_second: study::median(&rates),
@@ -341,7 +341,7 @@ impl TriangleTask for Trace<'_> {
             kernel: K::INFO.id.to_string(),
             threads: pool.current_num_threads(),
             build_seconds,
-            bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
+            bytes_per_triangle: scene.bytes() as f64 / scene.primitives() as f64,
         };
         (result, hits)
     }
@@ -375,7 +375,7 @@ impl TriangleTask for Render<'_> {
             ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
         };
         pool.install(|| {
-            let scene = Scene::<K>::new(mesh);
+            let scene = Scene::<K>::from(mesh);
             tracer::render(&arguments.out, &scene, &camera, light, shade, mode, width, height)
         })
     }

@@ -121,7 +121,7 @@ struct EveryKernel<'a> {
 
 impl Visitor<Triangle> for EveryKernel<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        every_way(self.name, &Scene::<K>::new(self.mesh.clone()), self.rays, self.stride);
+        every_way(self.name, &Scene::<K>::from(self.mesh.clone()), self.rays, self.stride);
     }
 }
 
@@ -163,7 +163,7 @@ fn the_lower_primitive_number_wins_ties() {
         Mesh::new(mesh.positions().to_vec(), triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap();
     let rays = hard_rays(&mesh, 4_000);
     registry::triangles(&mut EveryKernel { name: "copies", mesh: &many, rays: &rays, stride: 1 });
-    let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::new(many), &rays, false, Mode::Packet);
+    let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::from(many), &rays, false, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
 }
 
@@ -203,7 +203,7 @@ struct TreeAgainstBruteForce<'a> {
 
 impl Visitor<Triangle> for TreeAgainstBruteForce<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        let scene = Scene::<K>::new(self.mesh.clone());
+        let scene = Scene::<K>::from(self.mesh.clone());
         let brute: Vec<_> = self.rays.iter().map(|ray| scene.closest_hit_brute_force(ray)).collect();
         for mode in Mode::ALL {
             let what = format!("{} triangles, {}, {}", self.mesh.len(), K::INFO.id, mode.name());
@@ -227,7 +227,7 @@ fn hits_stay_in_their_own_box() {
         let ray = Ray::new(target - dir * 1e4, dir);
         let corners = triangle.vertices().to_vec();
         let part = Part { first_triangle: 0, color: Vec3::ONE };
-        let scene = Scene::<raylanes::kernels::triangle::MollerTrumbore<f32>>::new(
+        let scene = Scene::<raylanes::kernels::triangle::MollerTrumbore<f32>>::from(
             Mesh::new(corners, vec![[0, 1, 2]], vec![part]).unwrap(),
         );
         let bare = Intersect::<f32>::hit(&raylanes::kernels::triangle::MollerTrumbore::prepare(&triangle), &ray);

@@ -8,7 +8,7 @@ use super::stats::{mad, median};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::kernels::triangle::MollerTrumbore;
-use crate::tracer::{Error, Mode, Scene, SceneSource, checksum, shadow_rays, thread_pool, trace};
+use crate::tracer::{Camera, Error, Light, Mode, Scene, SceneSource, checksum, shadow_rays, thread_pool, trace};
 
 /// A picture's worth of rays.
 struct RaySet {
@@ -30,15 +30,16 @@ pub(crate) fn measure(
 ) -> Result<Vec<TracerRow>, Error> {
     progress.note(&format!("{}: building", source.name()));
     let mesh = source.load()?.0;
+    let view = source.view(&mesh, size, size);
     let start = Instant::now();
-    let scene = Scene::<MollerTrumbore<f32>>::new(mesh);
+    let scene = Scene::<MollerTrumbore<f32>>::from(mesh);
     let build_seconds = start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
-    for set in ray_sets(source, &scene, size) {
+    for set in ray_sets(view, &scene, size) {
         progress.note(&format!("{}: {} rays", source.name(), set.name));
         rows.extend(time(&scene, &set, samples, thread_counts)?.into_iter().map(|job| TracerRow {
             scene: source.name(),
-            triangles: scene.mesh().len(),
+            triangles: scene.primitives(),
             rays: set.name.into(),
             ray_count: set.rays.len(),
             hits: job.hits.iter().filter(|hit| hit.mask).count(),
@@ -48,7 +49,7 @@ pub(crate) fn measure(
             mrays_per_second: median(&job.mrays),
             mrays_per_second_mad: mad(&job.mrays),
             build_seconds,
-            bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
+            bytes_per_triangle: scene.bytes() as f64 / scene.primitives() as f64,
             checksum: format!("{:016x}", checksum(&job.hits)),
         }));
     }
@@ -63,8 +64,7 @@ struct Job {
     hits: Vec<Hit<f32>>,
 }
 
-fn ray_sets<K: Kernel<Shape = Triangle>>(source: &SceneSource, scene: &Scene<K>, size: u32) -> [RaySet; 2] {
-    let (camera, light) = source.view(scene.mesh(), size, size);
+fn ray_sets<K: Kernel<Shape = Triangle>>((camera, light): (Camera, Light), scene: &Scene<K>, size: u32) -> [RaySet; 2] {
     let rays = camera.rays(size, size);
     let hits = trace(scene, &rays, false, Mode::Packet);
     let shadows = shadow_rays(scene, &rays, &hits, light);

@@ -16,19 +16,24 @@
 //! the closest hit is the same for every order of visits, every tree, every packet, every thread count, and for trying
 //! all triangles one by one. And since a miss of a padded box is a proof, the rule only ever removes false hits.
 
+mod box_rule;
 mod builtin;
 mod bvh;
 mod camera;
 mod error;
 mod mesh;
+mod mesh_tree;
 mod obj;
 mod output;
 mod picture;
 mod rayfile;
 mod scene;
 mod source;
+mod surface;
 mod trace;
+mod traverse;
 mod world;
+mod world_box;
 
 pub use builtin::{BuiltIn, Light};
 pub use camera::{Camera, block_order};
@@ -41,5 +46,6 @@ pub use picture::{Shade, render};
 pub use rayfile::{read_rays, write_hits, write_rays};
 pub use scene::Scene;
 pub use source::SceneSource;
+pub use surface::SurfacePoint;
 pub use trace::{Mode, checksum, thread_pool, trace};
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};
