@@ -2,17 +2,20 @@
 
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write as _};
-use std::path::PathBuf;
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
-use raylanes::geom::{Hit, Ray, Triangle};
+use raylanes::geom::{Hit, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel, Shape};
-use raylanes::registry::{self, TriangleTask, Visitor};
+use raylanes::registry::{self, Task, Visitor};
 use raylanes::study;
-use raylanes::tracer::{self, BuiltIn, Camera, Error, Light, Mesh, Mode, Scene, SceneSource, Shade};
+use raylanes::tracer::{
+    self, BuiltIn, Camera, Differences, Error, Light, Mode, Picture, Scene, SceneSource, Shade, View, World,
+};
 use serde::Serialize;
 
 /// Ray-intersection kernels, measured for speed and for accuracy.
@@ -64,11 +67,14 @@ impl Default for StudyArguments {
 /// What `trace` and `render` have in common.
 #[derive(Args)]
 struct SceneArguments {
-    /// An OBJ file or a built-in scene.
+    /// A scene file (TOML), an OBJ file or a built-in scene.
     scene: String,
     /// Triangle kernel, by ID or name; see `raylanes list`.
     #[arg(long, value_name = "ID", default_value = "moller_trumbore")]
     kernel: String,
+    /// Quadric kernel, by ID or name.
+    #[arg(long, value_name = "ID", default_value = "naive")]
+    quadric_kernel: String,
     /// How rays are taken; the hits are the same.
     #[arg(long, value_enum, default_value_t = ModeArgument::Auto)]
     mode: ModeArgument,
@@ -121,6 +127,10 @@ struct RenderArguments {
     /// What a pixel shows.
     #[arg(long, value_enum, default_value_t = ShadeArgument::Lambert)]
     shade: ShadeArgument,
+    /// Trace with another triangle or quadric kernel too, write a second picture (OUT-compare.png) that marks every pixel where
+    /// the two see something else, and print how many there are.
+    #[arg(long, value_name = "ID")]
+    compare: Option<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -141,6 +151,25 @@ enum ShadeArgument {
     Normals,
     /// Distance from the eye.
     Depth,
+    /// A colour for each primitive.
+    Primitives,
+    /// A colour for each instance.
+    Instances,
+    /// How open the surroundings are.
+    AmbientOcclusion,
+}
+
+impl From<ShadeArgument> for Shade {
+    fn from(argument: ShadeArgument) -> Self {
+        match argument {
+            ShadeArgument::Lambert => Self::Lambert,
+            ShadeArgument::Normals => Self::Normals,
+            ShadeArgument::Depth => Self::Depth,
+            ShadeArgument::Primitives => Self::Primitives,
+            ShadeArgument::Instances => Self::Instances,
+            ShadeArgument::AmbientOcclusion => Self::AmbientOcclusion,
+        }
+    }
 }
 
 fn main() -> ExitCode {
@@ -201,35 +230,33 @@ fn warn_of_slow_build() {
     }
 }
 
-/// A scene that is ready to be traced, but for the kernel.
+/// A scene that is ready to be traced, but for the kernels.
 struct Loaded {
-    mesh: Mesh,
+    world: World,
     camera: Camera,
     light: Light,
     pool: rayon::ThreadPool,
 }
 
 impl SceneArguments {
+    fn kernels(&self) -> Result<Kernels, Error> {
+        Kernels { triangle: "", quadric: "" }
+            .with(&self.kernel, &["triangle"])?
+            .with(&self.quadric_kernel, &["quadric"])
+    }
+
     fn load(&self) -> Result<Loaded, Error> {
         let source = SceneSource::parse(&self.scene)?;
-        if registry::with_triangle(&self.kernel, Exists).is_none() {
-            let mut ids = Ids(Vec::new());
-            registry::triangles(&mut ids);
-            let message = format!("no such triangle kernel: expected one of {}", ids.0.join(", "));
-            return Err(Error::Argument { argument: self.kernel.clone(), message });
-        }
         let (mesh, remarks) = source.load()?;
         for remark in remarks {
             note(&format!("note: {}: {remark}", source.name()));
         }
         let (width, height) = self.size;
-        let (camera, light) = match (self.eye, self.look_at) {
-            (Some(eye), Some(look_at)) => {
-                (Camera::new(eye, look_at, self.fov, width, height), source.view(&mesh, width, height).1)
-            }
-            _ => source.view(&mesh, width, height),
-        };
-        Ok(Loaded { mesh, camera, light, pool: tracer::thread_pool(self.threads.into())? })
+        let (mut camera, light) = source.view(&mesh, width, height);
+        if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
+            camera = Camera::new(eye, look_at, self.fov, width, height);
+        }
+        Ok(Loaded { world: mesh.into(), camera, light, pool: tracer::thread_pool(self.threads.into())? })
     }
 
     fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
@@ -241,17 +268,62 @@ impl SceneArguments {
     }
 }
 
-struct Exists;
+/// What primitives are intersected by: the IDs of one registered kernel for each shape.
+#[derive(Clone, Copy)]
+struct Kernels {
+    triangle: &'static str,
+    quadric: &'static str,
+}
 
-impl TriangleTask for Exists {
-    type Output = ();
-    fn run<K: Kernel<Shape = Triangle>>(self) {}
+impl Kernels {
+    /// With the kernel of this ID, of which the family may be left out, instead of the one for the same shape.
+    fn with(self, id: &str, families: &[&str]) -> Result<Self, Error> {
+        let triangle = families.contains(&"triangle").then(|| registry::with_kernel::<Triangle, _>(id, IdOf)).flatten();
+        let quadric = families.contains(&"quadric").then(|| registry::with_kernel::<Quadric, _>(id, IdOf)).flatten();
+        match (triangle, quadric) {
+            (Some(triangle), _) => Ok(Self { triangle, ..self }),
+            (None, Some(quadric)) => Ok(Self { quadric, ..self }),
+            (None, None) => {
+                let mut ids = Ids(Vec::new());
+                registry::triangles(&mut ids);
+                registry::quadrics(&mut ids);
+                ids.0.retain(|id| families.iter().any(|family| id.starts_with(family)));
+                let message = format!("no such {} kernel: expected one of {}", families.join(" or "), ids.0.join(", "));
+                Err(Error::Argument { argument: id.into(), message })
+            }
+        }
+    }
+
+    /// The world, ready for them.
+    fn scene<K: Kernel<Shape = Triangle>>(self, world: World) -> Scene<K> {
+        struct Build<K>(World, PhantomData<K>);
+        impl<K: Kernel<Shape = Triangle>> Task<Quadric> for Build<K> {
+            type Output = Scene<K>;
+            fn run<Q: Kernel<Shape = Quadric>>(self) -> Scene<K> {
+                Scene::with_quadrics::<Q>(self.0)
+            }
+        }
+        registry::with_kernel(self.quadric, Build::<K>(world, PhantomData)).expect("the kernel was found before")
+    }
+
+    fn run<T: Task<Triangle>>(self, task: T) -> T::Output {
+        registry::with_kernel(self.triangle, task).expect("the kernel was found before")
+    }
+}
+
+struct IdOf;
+
+impl<S: Shape> Task<S> for IdOf {
+    type Output = &'static str;
+    fn run<K: Kernel<Shape = S>>(self) -> &'static str {
+        K::INFO.id.method
+    }
 }
 
 struct Ids(Vec<String>);
 
-impl Visitor<Triangle> for Ids {
-    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+impl<S: Shape> Visitor<S> for Ids {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
         self.0.push(K::INFO.id.to_string());
     }
 }
@@ -261,6 +333,8 @@ impl Visitor<Triangle> for Ids {
 struct TraceResult {
     scene: String,
     triangles: usize,
+    quadrics: usize,
+    instances: usize,
     rays: usize,
     hits: usize,
     /// Median of the repeats.
@@ -278,13 +352,13 @@ fn trace(arguments: &TraceArguments) -> Result<String, Error> {
     let scene = &arguments.scene;
     // Cheap errors first: a large mesh takes its time.
     let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
+    let kernels = scene.kernels()?;
     let loaded = scene.load()?;
     let (width, height) = scene.size;
     let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
     let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
     let mode = scene.mode_for(&rays);
-    let task = Trace { arguments, loaded, rays, mode };
-    let (result, mut hits) = registry::with_triangle(&scene.kernel, task).expect("the kernel was found before");
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays, mode });
     if let Some(file) = &arguments.hits {
         if let Some(order) = picture_order {
             let mut rows = vec![Hit::MISS; hits.len()];
@@ -298,9 +372,10 @@ fn trace(arguments: &TraceArguments) -> Result<String, Error> {
     if arguments.json {
         return Ok(serde_json::to_string(&result).expect("plain data") + "\n");
     }
-    let TraceResult { scene, triangles, rays, hits, mrays_per_second, checksum, mode, kernel, threads, .. } = result;
+    let TraceResult { scene, triangles, quadrics, instances, rays, hits, mrays_per_second, .. } = result;
+    let TraceResult { checksum, mode, kernel, threads, .. } = result;
     Ok(format!(
-        "{scene}: {triangles} triangles, built in {:.3} s, {:.1} bytes per triangle\n\
+        "{scene}: {triangles} triangles, {quadrics} quadrics, {instances} instances, built in {:.3} s, {:.1} bytes per triangle\n\
          {mrays_per_second:.2} Mrays/s (median of {}), {rays} rays, {hits} hits, checksum {checksum}\n\
          kernel {kernel}, mode {mode}, threads {threads}\n",
         result.build_seconds, result.bytes_per_triangle, arguments.repeat,
@@ -308,19 +383,21 @@ fn trace(arguments: &TraceArguments) -> Result<String, Error> {
 }
 
 struct Trace<'a> {
+    kernels: Kernels,
     arguments: &'a TraceArguments,
     loaded: Loaded,
     rays: Vec<Ray<f32>>,
     mode: Mode,
 }
 
-impl TriangleTask for Trace<'_> {
+impl Task<Triangle> for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { arguments, loaded: Loaded { mesh, pool, .. }, rays, mode } = self;
+        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays, mode } = self;
+        let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
         let start = Instant::now();
-        let scene = pool.install(|| Scene::<K>::from(mesh));
+        let scene = pool.install(|| kernels.scene::<K>(world));
         let build_seconds = start.elapsed().as_secs_f64();
         let trace = || pool.install(|| tracer::trace(&scene, &rays, arguments.any_hit, mode));
         let mut hits = trace(); // not counted: it warms up
@@ -332,7 +409,9 @@ impl TriangleTask for Trace<'_> {
         }
         let result = TraceResult {
             scene: arguments.scene.scene.clone(),
-            triangles: scene.primitives(),
+            triangles,
+            quadrics,
+            instances,
             rays: rays.len(),
             hits: hits.iter().filter(|hit| hit.mask).count(),
             mrays_per_second: study::median(&rates),
@@ -341,46 +420,92 @@ impl TriangleTask for Trace<'_> {
             kernel: K::INFO.id.to_string(),
             threads: pool.current_num_threads(),
             build_seconds,
-            bytes_per_triangle: scene.bytes() as f64 / scene.primitives() as f64,
+            // Of a scene of quadrics alone, bytes per quadric.
+            bytes_per_triangle: scene.bytes() as f64 / if triangles > 0 { triangles } else { quadrics } as f64,
         };
         (result, hits)
     }
 }
 
 fn render(arguments: &RenderArguments) -> Result<String, Error> {
-    let loaded = arguments.scene.load()?;
-    registry::with_triangle(&arguments.scene.kernel, Render { arguments, loaded })
-        .expect("the kernel was found before")?;
-    Ok(String::new())
+    let scene = &arguments.scene;
+    let kernels = scene.kernels()?;
+    // Cheap errors first: a large mesh takes its time.
+    let other = arguments.compare.as_deref().map(|id| kernels.with(id, &["triangle", "quadric"])).transpose()?;
+    let Loaded { world, camera, light, pool } = scene.load()?;
+    let (width, height) = scene.size;
+    let mode = match scene.mode {
+        ModeArgument::Scalar => Mode::Scalar,
+        ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
+    };
+    let view = View { camera, light, mode, width, height };
+    pool.install(|| {
+        let (picture, hits, world) =
+            kernels.run(Render { kernels, world, view: &view, shade: arguments.shade.into() });
+        picture.write(&arguments.out)?;
+        let Some(other) = other else { return Ok(String::new()) };
+        let other_hits = other.run(Look { kernels: other, world, view: &view });
+        let (marked, differences) = tracer::compare(&view, &picture, &hits, &other_hits);
+        let file = beside(&arguments.out, "-compare");
+        marked.write(&file)?;
+        let [first, second] = if kernels.triangle == other.triangle {
+            [kernels.quadric, other.quadric]
+        } else {
+            [kernels.triangle, other.triangle]
+        };
+        let Differences { only_first, only_second, other_primitive, other_t } = differences;
+        Ok(format!(
+            "{} of {} pixels differ: {only_first} are hit by {first} only (red), {only_second} by {second} only (blue), and \
+             {other_primitive} on another primitive (yellow); see {}\nOn {other_t} more pixels t has other bits.\n",
+            differences.marked(),
+            hits.len(),
+            file.display()
+        ))
+    })
 }
 
 struct Render<'a> {
-    arguments: &'a RenderArguments,
-    loaded: Loaded,
+    kernels: Kernels,
+    world: World,
+    view: &'a View,
+    shade: Shade,
 }
 
-impl TriangleTask for Render<'_> {
-    type Output = Result<(), Error>;
+impl Task<Triangle> for Render<'_> {
+    type Output = (Picture, Vec<Hit<f32>>, World);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { arguments, loaded: Loaded { mesh, camera, light, pool } } = self;
-        let (width, height) = arguments.scene.size;
-        let shade = match arguments.shade {
-            ShadeArgument::Lambert => Shade::Lambert,
-            ShadeArgument::Normals => Shade::Normals,
-            ShadeArgument::Depth => Shade::Depth,
-        };
-        let mode = match arguments.scene.mode {
-            ModeArgument::Scalar => Mode::Scalar,
-            ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
-        };
-        pool.install(|| {
-            let scene = Scene::<K>::from(mesh);
-            tracer::render(&arguments.out, &scene, &camera, light, shade, mode, width, height)
-        })
+        let Self { kernels, world, view, shade } = self;
+        let scene = kernels.scene::<K>(world);
+        let hits = tracer::picture_hits(&scene, view);
+        (tracer::shade(&scene, view, &hits, shade), hits, scene.into_world())
     }
 }
 
+struct Look<'a> {
+    kernels: Kernels,
+    world: World,
+    view: &'a View,
+}
+
+impl Task<Triangle> for Look<'_> {
+    type Output = Vec<Hit<f32>>;
+
+    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
+        tracer::picture_hits(&self.kernels.scene::<K>(self.world), self.view)
+    }
+}
+
+/// The file with this ending of its name, before the extension.
+fn beside(file: &Path, ending: &str) -> PathBuf {
+    let mut name = file.file_stem().unwrap_or_default().to_owned();
+    name.push(ending);
+    if let Some(extension) = file.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    file.with_file_name(name)
+}
 fn list() -> Result<String, Error> {
     struct List(Vec<[String; 6]>);
     impl<S: Shape> Visitor<S> for List {
@@ -418,7 +543,7 @@ fn list() -> Result<String, Error> {
 }
 
 fn scene_help() -> String {
-    format!("SCENE is an OBJ file or a built-in scene: {}.", BuiltIn::NAMES.join(", "))
+    format!("SCENE is a scene file (*.toml), an OBJ file (*.obj) or a built-in scene: {}.", BuiltIn::NAMES.join(", "))
 }
 
 /// The greatest number of pixels of a picture: 8192 × 8192.

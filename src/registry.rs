@@ -122,34 +122,33 @@ pub fn absent() -> &'static [Absent] {
     if cfg!(fused) { &[] } else { &FUSED }
 }
 
-/// Something done with one kernel that is chosen by name at run time.
-pub trait TriangleTask {
+/// Something done with one kernel for shapes of type `S` that is chosen by name at run time.
+pub trait Task<S: Shape> {
     /// What comes of it.
     type Output;
 
     /// Called with the chosen kernel.
-    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output;
+    fn run<K: Kernel<Shape = S>>(self) -> Self::Output;
 }
 
-/// Runs the task with the triangle kernel of this ID, of which the family may be left out; `None` if there is no such
-/// kernel.
-pub fn with_triangle<T: TriangleTask>(id: &str, task: T) -> Option<T::Output> {
-    struct Chosen<'a, T: TriangleTask> {
+/// Runs the task with the kernel of this ID, of which the family may be left out; `None` if the shape has no such kernel.
+pub fn with_kernel<S: Registered, T: Task<S>>(id: &str, task: T) -> Option<T::Output> {
+    struct Chosen<'a, T, O> {
         id: &'a str,
         task: Option<T>,
-        output: Option<T::Output>,
+        output: Option<O>,
     }
-    impl<T: TriangleTask> Visitor<Triangle> for Chosen<'_, T> {
-        fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+    impl<S: Shape, T: Task<S>> Visitor<S> for Chosen<'_, T, T::Output> {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
             let method = K::INFO.id.method;
             let name = method.rsplit('/').next();
             if self.id == method || Some(self.id) == name {
-                self.output = self.task.take().map(TriangleTask::run::<K>);
+                self.output = self.task.take().map(T::run::<K>);
             }
         }
     }
     let mut chosen = Chosen { id, task: Some(task), output: None };
-    triangles(&mut chosen);
+    S::visit_kernels(&mut chosen);
     chosen.output
 }
 
@@ -158,18 +157,20 @@ mod tests {
     use super::*;
 
     struct IdOf;
-    impl TriangleTask for IdOf {
+    impl<S: Shape> Task<S> for IdOf {
         type Output = &'static str;
-        fn run<K: Kernel<Shape = Triangle>>(self) -> &'static str {
+        fn run<K: Kernel<Shape = S>>(self) -> &'static str {
             K::INFO.id.method
         }
     }
 
     #[test]
     fn kernels_are_found_by_id_and_by_name() {
-        assert_eq!(with_triangle("triangle/cramer", IdOf), Some("triangle/cramer"));
-        assert_eq!(with_triangle("moller_trumbore", IdOf), Some("triangle/moller_trumbore"));
-        assert_eq!(with_triangle("aabb/padded", IdOf), None);
-        assert_eq!(with_triangle("", IdOf), None);
+        assert_eq!(with_kernel::<Triangle, _>("triangle/cramer", IdOf), Some("triangle/cramer"));
+        assert_eq!(with_kernel::<Triangle, _>("moller_trumbore", IdOf), Some("triangle/moller_trumbore"));
+        assert_eq!(with_kernel::<Triangle, _>("aabb/padded", IdOf), None);
+        assert_eq!(with_kernel::<Triangle, _>("naive", IdOf), None);
+        assert_eq!(with_kernel::<Quadric, _>("naive", IdOf), Some("quadric/naive"));
+        assert_eq!(with_kernel::<Triangle, _>("", IdOf), None);
     }
 }

@@ -42,7 +42,7 @@ pub use mesh::{Mesh, MeshError, Part};
 pub use obj::{ObjReport, load_obj};
 pub use output::write_atomically;
 pub(crate) use picture::shadow_rays;
-pub use picture::{Shade, render};
+pub use picture::{Differences, OCCLUSION_RAYS, Picture, Shade, View, compare, picture_hits, shade};
 pub use rayfile::{read_rays, write_hits, write_rays};
 pub use scene::Scene;
 pub use source::SceneSource;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::{Camera, Error, Light, Mode, Scene, SurfacePoint, block_order, trace, write_atomically};
 use crate::geom::{Hit, Ray, Triangle};
@@ -11,103 +12,179 @@ use crate::kernels::Kernel;
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shade {
+    /// Diffuse reflection of the one light, with hard shadows.
+    Lambert,
     /// The geometric normal: x, y and z from -1 … 1 as red, green and blue. Shows winding, since it is not turned towards
     /// the eye.
     Normals,
     /// Distance from the eye, near white, far dark, on a scale that spans the picture.
     Depth,
-    /// Diffuse reflection of the one light, with hard shadows.
-    Lambert,
+    /// A colour for each primitive, another one in each instance.
+    Primitives,
+    /// A colour for each instance.
+    Instances,
+    /// How much of the hemisphere above the surface is open, by [`OCCLUSION_RAYS`] rays.
+    AmbientOcclusion,
+}
+
+/// How a picture is taken.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Where from.
+    pub camera: Camera,
+    /// What shines.
+    pub light: Light,
+    /// How rays are taken; the picture is the same.
+    pub mode: Mode,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
 }
 
 /// What is seen where nothing is hit.
 const BACKGROUND: Vec3 = Vec3::new(0.53, 0.65, 0.80);
 /// Light that reaches even the shadows, brightest on what faces the eye, so that surfaces in shadow keep their shape.
 const AMBIENT: f32 = 0.25;
-/// A shadow ray starts this fraction of its length away from the surface: relative, so that no scene is too small.
-const SHADOW_START: f32 = 1e-4;
+/// A ray that leaves a surface starts this fraction of its length away from it: relative, so that no scene is too small.
+const START: f32 = 1e-4;
+/// Rays for each pixel of an ambient-occlusion picture.
+pub const OCCLUSION_RAYS: u32 = 64;
+/// How far away something occludes, as a share of the scene's diagonal.
+const OCCLUSION_REACH: f32 = 0.1;
 
-/// Traces and shades a picture and writes it as PNG.
-///
-/// # Errors
-/// If the file cannot be written.
-#[expect(clippy::too_many_arguments, reason = "a picture is made of these; a struct would only name them again")]
-pub fn render<K: Kernel<Shape = Triangle>>(
-    path: &Path,
-    scene: &Scene<K>,
-    camera: &Camera,
-    light: Light,
-    shade: Shade,
-    mode: Mode,
+/// Colours, row by row from the upper left: linear red, green and blue from 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
     width: u32,
     height: u32,
-) -> Result<(), Error> {
-    let rays = camera.rays(width, height);
-    let hits = trace(scene, &rays, false, mode);
-    let colors = match shade {
-        Shade::Normals => rays
-            .iter()
-            .zip(&hits)
-            .map(|(ray, hit)| of_hit(hit, |hit| scene.surface(ray, hit).normal * 0.5 + 0.5))
-            .collect(),
-        Shade::Depth => depth(&rays, &hits),
-        Shade::Lambert => lambert(scene, &rays, &hits, light, mode),
-    };
-    let mut image = image::RgbImage::new(width, height);
-    for (pixel, color) in block_order(width, height).into_iter().zip(colors) {
-        image.put_pixel(pixel % width, pixel / width, image::Rgb(color.to_array().map(encode)));
+    pixels: Vec<Vec3>,
+}
+
+impl Picture {
+    /// From colours in the order of [`Camera::rays`].
+    fn from_rays(view: &View, colors: &[Vec3]) -> Self {
+        let View { width, height, .. } = *view;
+        let mut pixels = vec![Vec3::ZERO; colors.len()];
+        for (pixel, color) in block_order(width, height).into_iter().zip(colors) {
+            pixels[pixel as usize] = *color;
+        }
+        Self { width, height, pixels }
     }
-    let mut png = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut png);
-    image.write_with_encoder(encoder).expect("an RGB picture in memory can always be encoded");
-    write_atomically(path, |file| file.write_all(&png))
+
+    /// Writes it as PNG, in sRGB.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let bytes = self.pixels.iter().flat_map(|color| color.to_array().map(encode)).collect();
+        let image = image::RgbImage::from_raw(self.width, self.height, bytes).expect("three bytes for each pixel");
+        let mut png = Vec::new();
+        let encoder = image::codecs::png::PngEncoder::new(&mut png);
+        image.write_with_encoder(encoder).expect("an RGB picture in memory can always be encoded");
+        write_atomically(path, |file| file.write_all(&png))
+    }
 }
 
-/// The sRGB byte of a linear intensity.
-fn encode(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (encoded * 255.0 + 0.5) as u8
+/// The hits of a picture's rays, in the order of [`Camera::rays`].
+pub fn picture_hits<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View) -> Vec<Hit<f32>> {
+    trace(scene, &view.camera.rays(view.width, view.height), false, view.mode)
 }
 
-fn of_hit(hit: &Hit<f32>, color: impl FnOnce(&Hit<f32>) -> Vec3) -> Vec3 {
-    if hit.mask { color(hit) } else { BACKGROUND }
+/// Shades hits that [`picture_hits`] found.
+pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, hits: &[Hit<f32>], shade: Shade) -> Picture {
+    let rays = view.camera.rays(view.width, view.height);
+    let seen = Seen { scene, rays: &rays, hits, mode: view.mode };
+    let colors = match shade {
+        Shade::Lambert => seen.lambert(view.light),
+        Shade::Normals => seen.each(|_, _, surface| surface.normal * 0.5 + 0.5),
+        Shade::Depth => seen.depth(),
+        Shade::Primitives => seen.each(|ray, hit, surface| {
+            distinct_color(hit.primitive ^ hit.instance.rotate_left(16)) * facing(ray, surface)
+        }),
+        Shade::Instances => seen.each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface)),
+        Shade::AmbientOcclusion => seen.ambient_occlusion(),
+    };
+    Picture::from_rays(view, &colors)
 }
 
-fn depth(rays: &[Ray<f32>], hits: &[Hit<f32>]) -> Vec<Vec3> {
-    let distances = || rays.iter().zip(hits).filter(|(_, hit)| hit.mask).map(|(ray, hit)| hit.t * ray.dir.length());
-    let near = distances().fold(f32::INFINITY, f32::min);
-    let far = distances().fold(0.0, f32::max);
-    let span = if far > near { far - near } else { 1.0 };
-    rays.iter()
-        .zip(hits)
-        .map(|(ray, hit)| of_hit(hit, |hit| Vec3::splat(1.0 - 0.9 * (hit.t * ray.dir.length() - near) / span)))
-        .collect()
-}
-
-fn lambert<K: Kernel<Shape = Triangle>>(
-    scene: &Scene<K>,
-    rays: &[Ray<f32>],
-    hits: &[Hit<f32>],
-    light: Light,
+/// What a picture's rays have hit.
+struct Seen<'a, K> {
+    scene: &'a Scene<K>,
+    rays: &'a [Ray<f32>],
+    hits: &'a [Hit<f32>],
     mode: Mode,
-) -> Vec<Vec3> {
-    let shadow_rays = shadow_rays(scene, rays, hits, light);
-    let shadowed = trace(scene, &shadow_rays, true, mode);
-    (0..rays.len())
-        .map(|index| {
-            of_hit(&hits[index], |hit| {
-                let SurfacePoint { normal, color, .. } = scene.surface(&rays[index], hit);
-                let to_light = shadow_rays[index].dir.normalize_or_zero();
-                let to_eye = -rays[index].dir.normalize_or_zero();
-                // Both sides reflect, but only the side that is seen.
-                let facing = normal.dot(to_light) * to_eye.dot(normal).signum();
-                let direct = if shadowed[index].mask { 0.0 } else { facing.max(0.0) };
-                let ambient = AMBIENT * (0.5 + 0.5 * to_eye.dot(normal).abs());
-                color * (ambient + (1.0 - AMBIENT) * direct)
-            })
-        })
-        .collect()
+}
+
+impl<K: Kernel<Shape = Triangle>> Seen<'_, K> {
+    /// A colour for every ray that hits, the background for the others.
+    fn each(&self, color: impl Fn(&Ray<f32>, &Hit<f32>, &SurfacePoint) -> Vec3 + Sync) -> Vec<Vec3> {
+        let of_ray = |(ray, hit): (&Ray<f32>, &Hit<f32>)| {
+            if hit.mask { color(ray, hit, &self.scene.surface(ray, hit)) } else { BACKGROUND }
+        };
+        self.rays.par_iter().zip(self.hits).map(of_ray).collect()
+    }
+
+    fn depth(&self) -> Vec<Vec3> {
+        let distance = |ray: &Ray<f32>, hit: &Hit<f32>| hit.t * ray.dir.length();
+        let distances =
+            || self.rays.iter().zip(self.hits).filter(|(_, hit)| hit.mask).map(|(ray, hit)| distance(ray, hit));
+        let near = distances().fold(f32::INFINITY, f32::min);
+        let far = distances().fold(0.0, f32::max);
+        let span = if far > near { far - near } else { 1.0 };
+        self.each(|ray, hit, _| Vec3::splat(1.0 - 0.9 * (distance(ray, hit) - near) / span))
+    }
+
+    fn lambert(&self, light: Light) -> Vec<Vec3> {
+        let shadow_rays = shadow_rays(self.scene, self.rays, self.hits, light);
+        let shadowed = trace(self.scene, &shadow_rays, true, self.mode);
+        let lit = |index: usize| {
+            let (ray, hit, shadow_ray) = (&self.rays[index], &self.hits[index], &shadow_rays[index]);
+            if !hit.mask {
+                return BACKGROUND;
+            }
+            let surface = self.scene.surface(ray, hit);
+            let to_light = shadow_ray.dir.normalize_or_zero();
+            let to_eye = -ray.dir.normalize_or_zero();
+            // Both sides reflect, but only the side that is seen.
+            let towards = surface.normal.dot(to_light) * to_eye.dot(surface.normal).signum();
+            let direct = if shadowed[index].mask { 0.0 } else { towards.max(0.0) };
+            surface.color * (AMBIENT * facing(ray, &surface) + (1.0 - AMBIENT) * direct)
+        };
+        (0..self.rays.len()).into_par_iter().map(lit).collect()
+    }
+
+    /// Grey by the share of rays, sent off with the cosine's distribution, that reach as far as occlusion does.
+    fn ambient_occlusion(&self) -> Vec<Vec3> {
+        let reach = self.scene.bounds().extent().length() * OCCLUSION_REACH;
+        let mut open = vec![0; self.rays.len()];
+        // One ray of every pixel at a time, or a large picture would need gigabytes.
+        for sample in 0..OCCLUSION_RAYS {
+            let leaving = |(index, (ray, hit)): (usize, (&Ray<f32>, &Hit<f32>))| {
+                if !hit.mask {
+                    return Ray::INACTIVE;
+                }
+                let SurfacePoint { point, normal, .. } = self.scene.surface(ray, hit);
+                let seen_side = if normal.dot(ray.dir) > 0.0 { -normal } else { normal };
+                // A point of the unit sphere that touches the surface: K. Lambert's cosine law, without a sine.
+                let dir = (seen_side + on_sphere(index as u32, sample)).normalize_or(seen_side) * reach;
+                Ray { origin: point, dir, t_min: START, t_max: 1.0 }
+            };
+            let rays: Vec<_> = self.rays.par_iter().zip(self.hits).enumerate().map(leaving).collect();
+            for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
+                *open += u32::from(!occluded.mask);
+            }
+        }
+        let grey = |(hit, open): (&Hit<f32>, &u32)| {
+            if hit.mask { Vec3::splat(*open as f32 / OCCLUSION_RAYS as f32) } else { BACKGROUND }
+        };
+        self.hits.iter().zip(&open).map(grey).collect()
+    }
+}
+
+/// From 0.5 for what is seen edge-on to 1 for what faces the eye.
+fn facing(ray: &Ray<f32>, surface: &SurfacePoint) -> f32 {
+    0.5 + 0.5 * ray.dir.normalize_or_zero().dot(surface.normal).abs()
 }
 
 /// The rays from each hit to the light, which is at `t = 1` if it is a point; an inactive one for a miss.
@@ -127,7 +204,132 @@ pub(crate) fn shadow_rays<K: Kernel<Shape = Triangle>>(
             Light::Point(position) => (position - origin, 1.0),
             Light::Directional(to_light) => (to_light.normalize_or_zero() * size, f32::INFINITY),
         };
-        Ray { origin, dir, t_min: SHADOW_START, t_max }
+        Ray { origin, dir, t_min: START, t_max }
     };
     rays.iter().zip(hits).map(towards_light).collect()
+}
+
+/// Where two kernels disagree about a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Differences {
+    /// Pixels where only the first one hits.
+    pub only_first: usize,
+    /// Pixels where only the second one hits.
+    pub only_second: usize,
+    /// Pixels where they hit different primitives or instances.
+    pub other_primitive: usize,
+    /// Pixels where they hit the same primitive at another `t`, by any number of ulp.
+    pub other_t: usize,
+}
+
+impl Differences {
+    /// Pixels where the kernels see something else: all but those that differ in `t` alone.
+    pub fn marked(&self) -> usize {
+        self.only_first + self.only_second + self.other_primitive
+    }
+}
+
+/// Marks every pixel where two kernels see something else, on a picture that is otherwise dark and grey: red where only the
+/// first hits, blue where only the second does, yellow where they hit different primitives. A differing `t` is counted, but
+/// not marked: it differs nearly everywhere, by an ulp or two.
+pub fn compare(view: &View, picture: &Picture, first: &[Hit<f32>], second: &[Hit<f32>]) -> (Picture, Differences) {
+    let mut differences = Differences::default();
+    let mut marked = picture.clone();
+    for pixel in &mut marked.pixels {
+        *pixel = Vec3::splat(0.25 * pixel.element_sum() / 3.0);
+    }
+    for ((pixel, a), b) in block_order(view.width, view.height).into_iter().zip(first).zip(second) {
+        let (count, mark) = match (a.mask, b.mask) {
+            (true, false) => (&mut differences.only_first, Some(Vec3::X)),
+            (false, true) => (&mut differences.only_second, Some(Vec3::new(0.1, 0.4, 1.0))),
+            (true, true) if (a.instance, a.primitive) != (b.instance, b.primitive) => {
+                (&mut differences.other_primitive, Some(Vec3::new(1.0, 1.0, 0.0)))
+            }
+            (true, true) if a.t.to_bits() != b.t.to_bits() => (&mut differences.other_t, None),
+            _ => continue,
+        };
+        *count += 1;
+        if let Some(mark) = mark {
+            marked.pixels[pixel as usize] = mark;
+        }
+    }
+    (marked, differences)
+}
+
+/// The sRGB byte of a linear intensity.
+fn encode(linear: f32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0 + 0.5) as u8
+}
+
+/// C. Wellons' integer hash "lowbias32", 2018: every bit of the input changes half of the output's.
+fn hash(mut number: u32) -> u32 {
+    number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);
+    number = (number ^ number >> 15).wrapping_mul(0x846c_a68b);
+    number ^ number >> 16
+}
+
+/// A number from 0 to 1, excluding 1.
+fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 / (1 << 24) as f32
+}
+
+/// A bright colour of its own for (nearly) each number.
+fn distinct_color(number: u32) -> Vec3 {
+    let bits = hash(number);
+    let hue = unit(bits) * 6.0;
+    let ramp = |from: f32| (((hue + from) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+    let saturation = 0.45 + 0.5 * unit(hash(bits));
+    Vec3::ONE.lerp(Vec3::new(ramp(0.0), ramp(4.0), ramp(2.0)), saturation)
+}
+
+/// A point of the unit sphere's surface, evenly distributed.
+fn on_sphere(pixel: u32, sample: u32) -> Vec3 {
+    let mut bits = hash(pixel ^ hash(sample));
+    let mut coordinate = || {
+        bits = hash(bits.wrapping_add(0x9e37_79b9));
+        2.0 * unit(bits) - 1.0
+    };
+    loop {
+        let point = Vec3::new(coordinate(), coordinate(), coordinate());
+        if (0.01..1.0).contains(&point.length_squared()) {
+            return point.normalize();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(primitive: u32, instance: u32, t: f32) -> Hit<f32> {
+        Hit { mask: true, t, u: 0.0, v: 0.0, primitive, instance }
+    }
+
+    #[test]
+    fn differences_are_counted_and_marked() {
+        let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0, 3, 2);
+        let view = View { camera, light: Light::Point(Vec3::ONE), mode: Mode::Scalar, width: 3, height: 2 };
+        let white = Picture { width: 3, height: 2, pixels: vec![Vec3::ONE; 6] };
+        let one = hit(0, 0, 1.0);
+        let first = [one, one, Hit::MISS, one, one, Hit::MISS];
+        let second = [one, Hit::MISS, one, hit(0, 1, 1.0), hit(0, 0, 2.0), Hit::MISS];
+        let (marked, differences) = compare(&view, &white, &first, &second);
+        assert_eq!(differences, Differences { only_first: 1, only_second: 1, other_primitive: 1, other_t: 1 });
+        assert_eq!(differences.marked(), 3);
+        let grey = marked.pixels.iter().filter(|pixel| **pixel == Vec3::splat(0.25)).count();
+        assert_eq!((grey, marked.pixels[1]), (3, Vec3::X));
+    }
+
+    #[test]
+    fn sphere_points_and_colours_are_spread_evenly() {
+        let mean: Vec3 = (0..10_000).map(|pixel| on_sphere(pixel, pixel % 7)).sum::<Vec3>() / 10_000.0;
+        assert!(mean.length() < 0.02, "{mean}");
+        for number in 0..1_000 {
+            let color = distinct_color(number);
+            assert!(color.max_element() == 1.0 && color.min_element() >= 0.0, "{color}");
+            assert_ne!(color, distinct_color(number + 1));
+        }
+    }
 }

@@ -159,6 +159,11 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         &self.world
     }
 
+    /// The world again, without what was prepared for it.
+    pub fn into_world(self) -> World {
+        self.world
+    }
+
     /// A box around all instances.
     pub fn bounds(&self) -> Aabb {
         self.placed.iter().fold(Aabb::EMPTY, |bounds, placed| bounds.union(&placed.bounds))

@@ -156,6 +156,16 @@ impl World {
         &self.instances
     }
 
+    /// How many triangles its geometries have: each counts once, whatever the number of instances.
+    pub fn triangles(&self) -> usize {
+        self.geometries.iter().map(|geometry| if let Geometry::Mesh(mesh) = geometry { mesh.len() } else { 0 }).sum()
+    }
+
+    /// How many of its geometries are quadrics.
+    pub fn quadrics(&self) -> usize {
+        self.geometries.iter().filter(|geometry| matches!(geometry, Geometry::Quadric(_))).count()
+    }
+
     /// Takes it apart.
     pub fn into_parts(self) -> (Vec<Geometry>, Vec<Placement>) {
         (self.geometries, self.instances)
