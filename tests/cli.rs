@@ -182,12 +182,13 @@ fn hit_files_of_pictures_are_row_by_row() {
 #[test]
 fn pictures_have_the_size_that_was_asked_for() {
     let folder = Folder::new("pictures");
-    for shade in ["lambert", "normals", "depth"] {
+    for shade in ["lambert", "normals", "depth", "primitives", "instances", "ambient-occlusion"] {
         let out = folder.0.join(format!("{shade}.png"));
         succeeds(&["render", "room:small", "--size", "37x21", "--shade", shade, "-o", text(&out)]);
         let picture = image::open(&out).unwrap().to_rgb8();
         assert_eq!(picture.dimensions(), (37, 21));
         let first = picture.get_pixel(0, 0);
+        // One instance has one colour, but darker where it is seen at an angle.
         assert!(picture.pixels().any(|pixel| pixel != first), "{shade} shows nothing");
     }
     let same = |mode: &str, threads: &str| {
@@ -196,6 +197,28 @@ fn pictures_have_the_size_that_was_asked_for() {
         fs::read(out).unwrap()
     };
     assert_eq!(same("scalar", "1"), same("packet", "2"));
+}
+
+#[test]
+fn two_kernels_are_compared_pixel_by_pixel() {
+    let folder = Folder::new("compare");
+    let (out, marked) = (folder.0.join("out.png"), folder.0.join("out-compare.png"));
+    let compare = |kernel: &str, other: &str| {
+        let size = ["--size", "64x64", "--kernel", kernel, "--compare", other];
+        let printed = succeeds(&[&["render", "sphere:small", "-o", text(&out)][..], &size].concat());
+        let count: usize = printed.split(' ').next().unwrap().parse().unwrap();
+        assert!(printed.contains("of 4096 pixels differ") && printed.contains("out-compare.png"), "{printed}");
+        let picture = image::open(&marked).unwrap().to_rgb8();
+        let coloured = picture.pixels().filter(|pixel| pixel.0.iter().any(|&byte| byte != pixel.0[0])).count();
+        assert_eq!(coloured, count, "the picture marks what is counted");
+        printed
+    };
+    assert!(compare("woop", "woop").starts_with("0 of") && compare("woop", "woop").contains("On 0 more pixels"));
+    assert!(!compare("woop", "baldwin_weber").contains("On 0 more pixels"), "two methods round alike");
+    for (kernel, other) in [("nonsense", "woop"), ("woop", "nonsense"), ("woop", "aabb/padded"), ("naive", "woop")] {
+        let arguments = ["render", "sphere:small", "-o", "never.png", "--kernel", kernel, "--compare", other];
+        fails(&arguments, &["kernel: expected one of", "triangle/woop"]);
+    }
 }
 
 #[test]
