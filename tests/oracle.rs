@@ -1,10 +1,12 @@
 //! The oracle, which judges all else, judged: filter against exact arithmetic, and both against methods that share
 //! nothing with them (an adaptive predicate, rational numbers of machine size, answers known by construction).
 
+use core::cmp::Ordering;
+
 use glam::{Affine3, Mat3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use raylanes::geom::{Aabb, Placed, Ray, Triangle};
+use raylanes::geom::{Aabb, Placed, Quadric, Ray, Triangle};
 use raylanes::oracle::{Exact, Truth};
 use robust::{Coord3D, orient3d};
 
@@ -136,6 +138,53 @@ impl Inputs {
         (shape, ray)
     }
 
+    /// A quadric through a point of its box, or past it, and a ray at that point: on a plane of the box, tangent there,
+    /// along the box, or in any direction.
+    fn quadric(&mut self, kind: Kind) -> (Quadric, Ray<f32>) {
+        let target = self.point(kind);
+        let mut quadric = Quadric {
+            squares: self.point(kind),
+            products: if self.int(0..=1) == 0 { Vec3::ZERO } else { self.point(kind) },
+            linear: if self.int(0..=1) == 0 { Vec3::ZERO } else { self.point(kind) },
+            constant: 0.0,
+            clip: Aabb { lo: target, hi: target },
+        };
+        quadric.constant = -quadric.value(target);
+        match self.int(0..=9) {
+            0 => quadric.constant += self.point(kind).x,
+            1 => quadric.squares[self.int(0..=2) as usize] = 0.0,
+            2 => quadric.squares = Vec3::ZERO,
+            _ => {}
+        }
+        let sides = if kind == Kind::Float { [1.0, 0.5, 0.25, 0.25] } else { [0.0, 1.0, 2.0, 4.0] };
+        for axis in 0..3 {
+            quadric.clip.lo[axis] -= self.pick(&sides) + if kind == Kind::Float { self.jitter() } else { 0.0 };
+            quadric.clip.hi[axis] += self.pick(&sides) + if kind == Kind::Float { self.jitter() } else { 0.0 };
+        }
+        let mut ray = self.ray(kind, target);
+        let axis = self.int(0..=2) as usize;
+        match self.int(0..=19) {
+            0..=3 => {
+                let Vec3 { x, y, z } = target;
+                let Vec3 { x: yz, y: zx, z: xy } = quadric.products;
+                let mixed = Vec3::new(xy * y + zx * z, xy * x + yz * z, zx * x + yz * y);
+                let gradient = quadric.squares * target * 2.0 + mixed + quadric.linear;
+                ray.dir = gradient.cross(self.point(kind));
+                ray.origin = target - ray.dir * self.pick(&[1.0, 2.0, 0.5]);
+            }
+            4..=6 => {
+                ray.dir[axis] = self.pick(&[0.0, -0.0]);
+                ray.origin[axis] = self.pick(&[target[axis], ray.origin[axis], quadric.clip.lo[axis]]);
+            }
+            7 => quadric.clip.lo[axis] = -INF,
+            8 => quadric.clip.hi[axis] = INF,
+            9 => (quadric.clip.lo[axis], quadric.clip.hi[axis]) = (quadric.clip.hi[axis], quadric.clip.lo[axis]),
+            10..=12 => quadric.clip = Aabb { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY },
+            _ => {}
+        }
+        (quadric, ray)
+    }
+
     /// An affine transform, now and then a mirror or a singular one.
     fn transform(&mut self, kind: Kind) -> Affine3 {
         let columns = [(); 3].map(|()| self.point(kind));
@@ -257,6 +306,19 @@ fn filter_agrees_on_placed_triangles() {
 fn filter_agrees_on_placed_boxes() {
     filter_agrees(4, |inputs, kind| {
         let (shape, ray) = inputs.aabb(kind);
+        placed(shape, inputs.transform(kind), ray)
+    });
+}
+
+#[test]
+fn filter_agrees_on_quadrics() {
+    filter_agrees(5, Inputs::quadric);
+}
+
+#[test]
+fn filter_agrees_on_placed_quadrics() {
+    filter_agrees(6, |inputs, kind| {
+        let (shape, ray) = inputs.quadric(kind);
         placed(shape, inputs.transform(kind), ray)
     });
 }
@@ -423,6 +485,147 @@ fn boxes_agree_with_a_search() {
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
+// Quadrics against square roots compared by squaring
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// `a·t² + b·t + c` in whole numbers, and its discriminant.
+#[derive(Clone, Copy, Debug)]
+struct Whole {
+    a: i128,
+    b: i128,
+    c: i128,
+    discriminant: i128,
+}
+
+impl Whole {
+    /// Scaled so that all is whole. Needs coordinates with few binary places.
+    fn of(quadric: &Quadric, ray: &Ray<f32>) -> Self {
+        let units = |v: Vec3| v.to_array().map(|x| Ratio::of(x).num);
+        let [s, p, l] = [quadric.squares, quadric.products, quadric.linear].map(units);
+        let k = Ratio::of(quadric.constant).num;
+        let (o, d) = (units(ray.origin), units(ray.dir));
+        let (mut a, mut b, mut c) = (0, 0, k * 256 * 256);
+        for i in 0..3 {
+            let (j, m) = ((i + 1) % 3, (i + 2) % 3);
+            a += s[i] * d[i] * d[i] + p[i] * d[j] * d[m];
+            b += 2 * s[i] * o[i] * d[i] + p[i] * (o[j] * d[m] + o[m] * d[j]) + 256 * l[i] * d[i];
+            c += s[i] * o[i] * o[i] + p[i] * o[j] * o[m] + 256 * l[i] * o[i];
+        }
+        // By their common power of two, so that squares fit.
+        let [a, b, c] = [a, b, c].map(|coefficient| coefficient >> (a | b | c | 1 << 60).trailing_zeros());
+        Self { a, b, c, discriminant: b * b - 4 * a * c }
+    }
+
+    /// How the root `(-b + sign·√discriminant) / 2a`, or of a linear equation `-c / b`, compares to `t`.
+    fn compare(&self, sign: i128, t: Ratio) -> Ordering {
+        let Self { a, b, c, discriminant } = *self;
+        if a == 0 {
+            return (-c * t.den * b.signum()).cmp(&(t.num * b.abs()));
+        }
+        // The sign of x + y·√discriminant.
+        let (x, y) = (a.signum() * (-b * t.den - 2 * a * t.num), a.signum() * sign * t.den);
+        let squares = (x * x).cmp(&(y * y * discriminant));
+        match (x.signum(), y.signum() * discriminant.signum()) {
+            (1, -1) => squares,
+            (-1, 1) => squares.reverse(),
+            (x, y) => (x + y).cmp(&0),
+        }
+    }
+}
+
+/// The answer, but for `t`, and the sign of the square root in the root that is hit.
+fn nearest_root(quadric: &Quadric, ray: &Ray<f32>) -> Option<(Whole, i128, bool)> {
+    let Aabb { lo, hi } = quadric.clip;
+    let whole = Whole::of(quadric, ray);
+    let empty = !(lo.cmple(hi).all() && ray.is_valid() && ray.t_min <= ray.t_max);
+    if empty || whole.discriminant < 0 || (whole.a == 0 && whole.b == 0) {
+        return None;
+    }
+    let signs = if whole.a == 0 { vec![0] } else { vec![-whole.a.signum(), whole.a.signum()] };
+    'roots: for sign in signs {
+        let mut boundary = whole.a != 0 && whole.discriminant == 0;
+        let mut orders = Vec::new();
+        for (end, sign_of_side) in [(ray.t_min, 1), (ray.t_max, -1)] {
+            orders.push((
+                sign_of_side,
+                if end.is_finite() { whole.compare(sign, Ratio::of(end)) } else { 0.0.partial_cmp(&end).unwrap() },
+            ));
+        }
+        for axis in 0..3 {
+            let [o, d] = [ray.origin[axis], ray.dir[axis]].map(|x| Ratio::of(x).num);
+            for (plane, side) in [(lo[axis], 1), (hi[axis], -1)].into_iter().filter(|(plane, _)| plane.is_finite()) {
+                let plane = Ratio::of(plane).num;
+                orders.push(if d == 0 {
+                    (side, o.cmp(&plane))
+                } else {
+                    (side * d.signum() as i32, whole.compare(sign, Ratio::new(plane - o, d)))
+                });
+            }
+        }
+        for (side, order) in orders {
+            match order as i32 * side {
+                -1 => continue 'roots,
+                touching => boundary |= touching == 0,
+            }
+        }
+        return Some((whole, sign, boundary));
+    }
+    None
+}
+
+#[test]
+fn quadrics_agree_with_roots_compared_by_squaring() {
+    let (mut inputs, mut tally) = (Inputs::new(25), Tally::default());
+    let (mut rational, mut irrational, mut tangent, mut linear) = (0, 0, 0, 0);
+    for _ in 0..CASES {
+        let (mut quadric, mut ray) = inputs.quadric(Kind::Grid);
+        if inputs.int(0..=3) == 0 {
+            // Right triangles in whole numbers: a sphere, cut by a ray along z at a rational height.
+            let (short, other, long) = inputs.pick(&[(3, 4, 5), (5, 12, 13), (8, 15, 17), (7, 24, 25), (20, 21, 29)]);
+            let high = inputs.pick(&[other, other / 2, 0]) as f32;
+            let clip = Aabb { lo: Vec3::splat(-64.0), hi: Vec3::splat(64.0) };
+            quadric = Quadric { clip, ..Quadric::sphere(long as f32) };
+            quadric.clip.hi.z = inputs.pick(&[other as f32, -1.0, long as f32, INF]);
+            ray.origin = xyz(short as f32, 0.0, high - 2.0 * long as f32);
+            ray.dir = xyz(0.0, 0.0, inputs.pick(&[1.0, 3.0, 0.5, -7.0, -0.0]));
+        }
+        let expected = nearest_root(&quadric, &ray);
+        let truth = quadric.truth_exact(&ray);
+        assert_same(quadric.truth(&ray), truth, &(quadric, ray));
+        let decision = expected.map(|(.., boundary)| boundary);
+        assert_eq!(truth.hit.then_some(truth.boundary), decision, "{quadric:?} {ray:?}: {expected:?}");
+        tally.count(&truth, true);
+        let Some((whole, sign, _)) = expected else { continue };
+        let Whole { a, b, c, discriminant } = whole;
+        let root = discriminant.isqrt();
+        if a == 0 || root * root == discriminant {
+            let (num, den) = if a == 0 { (-c, b) } else { (-b + sign * root, 2 * a) };
+            let expected = if num == 0 { 0.0 } else { nearest(num * den.signum(), den.abs(), 0) };
+            assert_eq!(truth.t, expected, "{quadric:?} {ray:?}: {num} / {den}");
+            linear += u32::from(a == 0);
+            rational += u32::from(a != 0 && root > 0);
+            tangent += u32::from(a != 0 && root == 0);
+        } else {
+            // Between the midpoints to both neighbours, never on one: rational numbers are no irrational ones.
+            let midpoint = |other: f32| {
+                let (mean, places) = ((f64::from(truth.t) + f64::from(other)) / 2.0, 60);
+                let num = (mean * 2f64.powi(places)) as i128;
+                assert_eq!(num as f64, mean * 2f64.powi(places), "{quadric:?} {ray:?}: too small for this test");
+                let shift = num.trailing_zeros().min(places as u32);
+                Ratio::new(num >> shift, 1 << (places as u32 - shift))
+            };
+            let (below, above) = (midpoint(truth.t.next_down()), midpoint(truth.t.next_up()));
+            assert_eq!(whole.compare(sign, below), Ordering::Greater, "{quadric:?} {ray:?}: {}", truth.t);
+            assert_eq!(whole.compare(sign, above), Ordering::Less, "{quadric:?} {ray:?}: {}", truth.t);
+            irrational += 1;
+        }
+    }
+    tally.assert_shares(&"quadrics", 1.0, 0.3, 0.1);
+    let least = rational.min(irrational).min(tangent).min(linear);
+    assert!(least > 1000, "{rational} {irrational} {tangent} {linear}");
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
 // Rounding
 // ---------------------------------------------------------------------------------------------------------------------
 
@@ -432,11 +635,11 @@ fn nearest(num: i128, den: i128, exponent: i32) -> f32 {
     // The quotient may lie one power of two lower than its parts suggest; a spacing too fine gives 25 bits.
     for candidate in [magnitude, magnitude - 1] {
         let spacing = (candidate - 23).max(-149);
-        let (num, den) = match exponent - spacing {
+        let (size, den) = match exponent - spacing {
             shift @ 0.. => (num.abs() << shift, den),
             shift => (num.abs(), den.checked_shl(shift.unsigned_abs().min(127)).expect("few bits")),
         };
-        let (whole, rest) = (num / den, num % den);
+        let (whole, rest) = (size / den, size % den);
         let up = 2 * rest > den || (2 * rest == den && whole % 2 == 1);
         let steps = whole + i128::from(up);
         if whole >= 1 << 23 || spacing == -149 || candidate < magnitude {
@@ -451,6 +654,7 @@ fn nearest(num: i128, den: i128, exponent: i32) -> f32 {
 fn the_reference_rounding_is_right() {
     for (num, den, exponent, expected) in [
         (1, 3, 0, 1.0 / 3.0),
+        (-1, 3, 0, -1.0 / 3.0),
         ((1 << 24) + 1, 1, 0, 16_777_216.0),
         ((1 << 24) + 3, 1, 0, 16_777_220.0),
         (1, 1, -149, f32::from_bits(1)),
@@ -518,6 +722,32 @@ fn t_is_correctly_rounded() {
     assert!(subnormal > 500 && infinite > 500 && zero > 100 && ties > 100, "{subnormal} {infinite} {zero} {ties}");
 }
 
+/// `t² = m² + sign·tiny²`, for an m halfway between two neighbours in `f32`.
+#[test]
+fn roots_next_to_a_tie_are_correctly_rounded() {
+    let mut inputs = Inputs::new(32);
+    let clip = Aabb { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
+    for _ in 0..CASES / 40 {
+        let (below, half) = (inputs.int(0x80_0000..=0xff_fffe) as f32, 0.5);
+        let even = if below % 2.0 == 0.0 { below } else { below.next_up() };
+        for (sign, expected) in [(-1.0, below), (0.0, even), (1.0, below.next_up())] {
+            let tiny = inputs.power_of_two(-100..=-40);
+            // x² - ((below + half)² + sign·tiny²), where y is `below` and z is `tiny`.
+            let quadric = Quadric {
+                squares: xyz(1.0, -1.0, -sign),
+                products: Vec3::ZERO,
+                linear: xyz(0.0, -2.0 * half, 0.0),
+                constant: -half * half,
+                clip,
+            };
+            let ray = Ray { t_min: -INF, ..Ray::new(xyz(0.0, below, tiny), Vec3::X) };
+            assert_hit(quadric.truth(&ray), -expected, false);
+            assert_hit(quadric.truth(&Ray { t_min: 0.0, ..ray }), expected, false);
+            assert_eq!(quadric.truth_filtered(&ray), None, "too close for f64");
+        }
+    }
+}
+
 #[test]
 fn u_and_v_are_correctly_rounded() {
     let mut inputs = Inputs::new(31);
@@ -580,9 +810,27 @@ fn a_placed_box_meets_the_untransformed_ray_as_before() {
 }
 
 #[test]
+fn a_placed_quadric_meets_the_untransformed_ray_as_before() {
+    let (mut inputs, mut tally) = (Inputs::new(42), Tally::default());
+    for _ in 0..CASES / 4 {
+        let (shape, ray) = inputs.quadric(Kind::Grid);
+        let truth = shape.truth_exact(&ray);
+        let identity = Placed { shape, object_to_world: Affine3::IDENTITY };
+        assert_same(identity.truth(&ray), truth, &(shape, ray));
+
+        let (placed, moved) = placed(shape, inputs.exact_transform(), ray);
+        assert_same(placed.truth_exact(&moved), truth, &(placed, moved));
+        assert_same(placed.truth(&moved), truth, &(placed, moved));
+        tally.count(&truth, true);
+    }
+    tally.assert_shares(&"placed quadrics", 1.0, 0.3, 0.1);
+}
+
+#[test]
 fn transforms_without_inverse_miss() {
     let triangle = Triangle { v0: Vec3::ZERO, v1: Vec3::X, v2: Vec3::Y };
     let unit = Aabb { lo: Vec3::ZERO, hi: Vec3::ONE };
+    let sphere = Quadric::sphere(1.0);
     let ray = Ray::new(Vec3::new(0.25, 0.25, -1.0), Vec3::Z);
     let mut not_finite = Affine3::IDENTITY;
     not_finite.translation.x = INF;
@@ -590,12 +838,14 @@ fn transforms_without_inverse_miss() {
     for object_to_world in [Affine3::from_scale(Vec3::new(1.0, 1.0, 0.0)), not_finite] {
         assert_eq!(Placed { shape: triangle, object_to_world }.truth(&ray), Truth::MISS);
         assert_eq!(Placed { shape: unit, object_to_world }.truth(&ray), Truth::MISS);
+        assert_eq!(Placed { shape: sphere, object_to_world }.truth(&ray), Truth::MISS);
     }
     // A determinant far below the least f64 is still not zero.
     let object_to_world = Affine3::from_scale(Vec3::splat(1e-45));
     let ray = Ray::new(Vec3::new(0.0, 0.0, -1.0), Vec3::Z);
     assert_hit(Placed { shape: triangle, object_to_world }.truth(&ray), 1.0, true);
     assert_hit(Placed { shape: unit, object_to_world }.truth(&ray), 1.0, true);
+    assert_hit(Placed { shape: sphere, object_to_world }.truth(&ray), 1.0, false);
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -690,6 +940,74 @@ fn slabs() {
 }
 
 #[test]
+fn spheres_near_and_far() {
+    let unit = Quadric::sphere(1.0);
+    assert_hit(unit.truth(&Ray::new(xyz(0.5, 0.0, -1e4), Vec3::Z)), 9_999.134, false);
+    assert_eq!(unit.truth(&Ray::new(xyz(1.001, 0.0, -4096.0), Vec3::Z)), Truth::MISS);
+    assert_hit(unit.truth(&Ray::new(xyz(1.0, 0.0, -3.0), Vec3::Z)), 3.0, true);
+    assert_eq!(unit.truth(&Ray::new(xyz(1f32.next_up(), 0.0, -3.0), Vec3::Z)), Truth::MISS);
+    assert_hit(unit.truth(&Ray::new(xyz(1f32.next_down(), 0.0, -3.0), Vec3::Z)), 2.999_654_8, false);
+    // From within, from the surface, and of an interval's ends.
+    assert_hit(unit.truth(&Ray::new(Vec3::ZERO, Vec3::Z)), 1.0, false);
+    let within = |t_min, t_max| unit.truth(&Ray { t_min, t_max, ..Ray::new(xyz(0.0, 0.0, -1.0), Vec3::Z) });
+    assert_hit(within(0.0, INF), 0.0, true);
+    assert_hit(within(f32::from_bits(1), INF), 2.0, false);
+    assert_hit(within(1.0, 2.0), 2.0, true);
+    assert_hit(within(-INF, INF), 0.0, false);
+    assert_eq!(within(0.5, 1.5), Truth::MISS);
+    assert_eq!(within(2f32.next_up(), INF), Truth::MISS);
+    // Cut off above the equator, or exactly at the pole that the ray leaves by.
+    let clipped = |hi: f32| Quadric { clip: Aabb { hi: xyz(9.0, 9.0, hi), ..unit.clip }, ..unit };
+    assert_hit(clipped(0.0).truth(&Ray::new(xyz(0.0, 0.0, 2.0), Vec3::NEG_Z)), 3.0, false);
+    assert_hit(clipped(1.0).truth(&Ray::new(xyz(0.0, 0.0, 2.0), Vec3::NEG_Z)), 1.0, true);
+    assert_eq!(clipped(0.0).truth(&Ray::new(Vec3::ZERO, Vec3::Z)), Truth::MISS);
+    // Within a plane that it is cut by.
+    assert_hit(clipped(0.0).truth(&Ray::new(xyz(-3.0, 0.0, 0.0), Vec3::X)), 2.0, true);
+}
+
+#[test]
+fn other_quadrics() {
+    let bowl = Quadric::paraboloid(2.0, 4.0);
+    assert_hit(bowl.truth(&Ray::new(xyz(0.5, 0.25, -2.0), xyz(1e-4, 0.0, 1.0))), 2.312_731_3, false);
+    assert_hit(bowl.truth(&Ray::new(xyz(0.5, 0.25, -2.0), Vec3::Z)), 2.312_5, false);
+    assert_hit(bowl.truth(&Ray::new(xyz(0.0, 0.0, -2.0), Vec3::Z)), 2.0, false);
+    let tube = Quadric::cylinder(1.0, 2.0);
+    assert_eq!(tube.truth(&Ray::new(xyz(0.5, 0.0, 0.0), Vec3::Z)), Truth::MISS);
+    assert_eq!(tube.truth(&Ray::new(xyz(1.0, 0.0, 0.0), Vec3::Z)), Truth::MISS, "a ray within the surface");
+    assert_hit(tube.truth(&Ray::new(xyz(-3.0, 0.0, 2.0), Vec3::X)), 2.0, true);
+    assert_hit(tube.truth(&Ray::new(xyz(-3.0, 0.0, 3.0), xyz(1.0, 0.0, -0.5))), 2.0, true);
+    // The near wall is cut off, the far one is not.
+    assert_hit(tube.truth(&Ray::new(xyz(-3.0, 0.0, 3.5), xyz(1.0, 0.0, -0.5))), 4.0, false);
+    let cone = Quadric::cone(1.0, 1.0);
+    assert_hit(cone.truth(&Ray::new(xyz(-1.0, 0.0, 0.0), Vec3::X)), 1.0, true);
+    assert_hit(cone.truth(&Ray::new(xyz(-1.0, 0.0, 0.5), Vec3::X)), 0.5, false);
+    // Parallel to a generatrix: one root, the other is infinitely far. Within one: none.
+    assert_hit(cone.truth(&Ray::new(xyz(-1.0, 0.0, -0.5), xyz(1.0, 0.0, 1.0))), 0.75, false);
+    assert_eq!(cone.truth(&Ray::new(xyz(-1.0, 0.0, -1.0), xyz(1.0, 0.0, 1.0))), Truth::MISS);
+}
+
+#[test]
+fn quadrics_that_miss_everything() {
+    let (ray, unit) = (Ray::new(xyz(0.0, 0.0, -2.0), Vec3::Z), Quadric::sphere(1.0));
+    let misses = |quadric: Quadric| {
+        let placed = Placed { shape: quadric, object_to_world: Affine3::IDENTITY };
+        [quadric.truth(&ray), placed.truth(&ray)].map(|truth| truth == Truth::MISS)
+    };
+    assert_eq!(misses(unit), [false; 2]);
+    let space = Aabb { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
+    assert_eq!(misses(Quadric { clip: space, ..unit }), [false; 2]);
+    for bad in [f32::NAN, INF, -INF] {
+        assert_eq!(misses(Quadric { constant: bad, ..unit }), [true; 2]);
+        assert_eq!(misses(Quadric { linear: xyz(bad, 0.0, 0.0), ..unit }), [true; 2]);
+        assert_eq!(misses(Quadric { products: xyz(0.0, bad, 0.0), ..unit }), [true; 2]);
+        assert_eq!(misses(Quadric { squares: xyz(1.0, 1.0, bad), ..unit }), [true; 2]);
+    }
+    assert_eq!(misses(Quadric { clip: Aabb::EMPTY, ..unit }), [true; 2]);
+    assert_eq!(misses(Quadric { clip: Aabb { lo: xyz(f32::NAN, -2.0, -2.0), ..unit.clip }, ..unit }), [true; 2]);
+    assert_eq!(misses(Quadric { squares: Vec3::ZERO, constant: 0.0, ..unit }), [true; 2], "everywhere is nowhere");
+}
+
+#[test]
 fn empty_and_unbounded_boxes() {
     let ray = Ray::new(xyz(0.5, 0.5, -1.0), Vec3::Z);
     let anything = Ray { t_min: -INF, ..ray };
@@ -710,31 +1028,34 @@ fn empty_and_unbounded_boxes() {
 fn rays_that_miss_everything() {
     let triangle = Triangle { v0: xyz(-9.0, -9.0, 0.0), v1: xyz(9.0, -9.0, 0.0), v2: xyz(0.0, 9.0, 0.0) };
     let space = Aabb { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
+    let sphere = Quadric::sphere(1e9);
     let object_to_world = Affine3::IDENTITY;
     let good = Ray::new(xyz(0.0, 0.0, -1.0), Vec3::Z);
     let misses = |ray: &Ray<f32>| {
         [
             triangle.truth(ray),
             space.truth(ray),
+            sphere.truth(ray),
             Placed { shape: triangle, object_to_world }.truth(ray),
             Placed { shape: space, object_to_world }.truth(ray),
+            Placed { shape: sphere, object_to_world }.truth(ray),
         ]
         .map(|truth| truth == Truth::MISS)
     };
-    assert_eq!(misses(&good), [false; 4]);
+    assert_eq!(misses(&good), [false; 6]);
     for bad in [f32::NAN, INF, -INF] {
         for axis in 0..3 {
             let (mut origin, mut dir) = (good, good);
             origin.origin[axis] = bad;
             dir.dir[axis] = bad;
-            assert_eq!((misses(&origin), misses(&dir)), ([true; 4], [true; 4]), "{bad} on axis {axis}");
+            assert_eq!((misses(&origin), misses(&dir)), ([true; 6], [true; 6]), "{bad} on axis {axis}");
         }
     }
-    assert_eq!(misses(&Ray { dir: xyz(0.0, -0.0, 0.0), ..good }), [true; 4]);
-    assert_eq!(misses(&Ray { t_min: f32::NAN, ..good }), [true; 4]);
-    assert_eq!(misses(&Ray { t_max: f32::NAN, ..good }), [true; 4]);
-    assert_eq!(misses(&Ray { t_min: 2.0, t_max: 0.5, ..good }), [true; 4]);
-    assert_eq!(misses(&Ray { t_min: INF, ..good }), [true; 4], "no finite t is that late");
-    assert_eq!(misses(&Ray { t_min: -INF, t_max: -INF, ..good }), [true; 4], "no finite t is that early");
-    assert_eq!(misses(&Ray::INACTIVE), [true; 4]);
+    assert_eq!(misses(&Ray { dir: xyz(0.0, -0.0, 0.0), ..good }), [true; 6]);
+    assert_eq!(misses(&Ray { t_min: f32::NAN, ..good }), [true; 6]);
+    assert_eq!(misses(&Ray { t_max: f32::NAN, ..good }), [true; 6]);
+    assert_eq!(misses(&Ray { t_min: 2.0, t_max: 0.5, ..good }), [true; 6]);
+    assert_eq!(misses(&Ray { t_min: INF, ..good }), [true; 6], "no finite t is that late");
+    assert_eq!(misses(&Ray { t_min: -INF, t_max: -INF, ..good }), [true; 6], "no finite t is that early");
+    assert_eq!(misses(&Ray::INACTIVE), [true; 6]);
 }

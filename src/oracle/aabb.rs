@@ -9,79 +9,29 @@ use glam::Vec3;
 
 use crate::geom::{Aabb, Placed, Ray};
 
-use super::number::{Linear, Number, compare, minus};
+use super::number::{Line, Number, compare, minus};
 use super::{Locate, Truth, can_hit};
 
 impl Locate for Aabb {
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
-        if !can_hit(ray) || is_empty(self) {
-            return Some(Truth::MISS);
-        }
-        let [o, lo, hi] = N::vectors([ray.origin, zero_unless_finite(self.lo), zero_unless_finite(self.hi)]);
-        let [d] = &N::vectors([ray.dir]);
-        clip(self, &minus(&lo, &o), &minus(&hi, &o), d, ray)
+        if can_hit(ray) { truth(self, &Line::<N>::of(ray), ray) } else { Some(Truth::MISS) }
     }
 }
 
-/// The ray is moved into the box's space, and everything there is multiplied by the transform's determinant, so that
-/// nothing is divided.
 impl Locate for Placed<Aabb> {
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
-        let Self { shape, object_to_world: transform } = self;
-        if !can_hit(ray) || is_empty(shape) || !transform.is_finite() {
+        if !can_hit(ray) {
             return Some(Truth::MISS);
         }
-        let Some(linear) = Linear::<N>::of(transform)? else {
-            return Some(Truth::MISS);
-        };
-        let [o, translation] = &N::vectors([ray.origin, transform.translation]);
-        let o = linear.apply_adjugate(&minus(o, translation));
-        let [d] = &N::vectors([ray.dir]);
-        let planes = N::vectors([zero_unless_finite(shape.lo), zero_unless_finite(shape.hi)]);
-        let [lo, hi] = planes.map(|corner| minus(&corner.map(|plane| plane.times(&linear.det)), &o));
-        clip(shape, &lo, &hi, &linear.apply_adjugate(d), ray)
+        let line = Line::<N>::before(&self.object_to_world, ray)?;
+        line.map_or(Some(Truth::MISS), |line| truth(&self.shape, &line, ray))
     }
 }
 
-fn is_empty(shape: &Aabb) -> bool {
-    let ordered = shape.lo.cmple(shape.hi) & shape.lo.cmplt(Vec3::INFINITY) & shape.hi.cmpgt(Vec3::NEG_INFINITY);
-    !ordered.all()
-}
-
-/// Stands in for infinite planes, which [`clip`] skips.
-fn zero_unless_finite(corner: Vec3) -> Vec3 {
-    Vec3::select(corner.is_finite_mask(), corner, Vec3::ZERO)
-}
-
-/// The answer for the planes `lo` and `hi`, measured from the origin, and the direction `d`. `shape` tells which
-/// planes are infinite.
-fn clip<N: Number>(shape: &Aabb, lo: &[N; 3], hi: &[N; 3], d: &[N; 3], ray: &Ray<f32>) -> Option<Truth> {
-    let (mut entry, mut exit) = (Bound::Interval(ray.t_min), Bound::Interval(ray.t_max));
-    let mut within_face = false;
-    for axis in 0..3 {
-        let d = &d[axis];
-        let lo = shape.lo[axis].is_finite().then_some(&lo[axis]);
-        let hi = shape.hi[axis].is_finite().then_some(&hi[axis]);
-        match d.sign()? {
-            Ordering::Greater => {
-                entry = entry.latest(lo.map(|lo| Bound::plane(lo.clone(), d.clone())))?;
-                exit = exit.earliest(hi.map(|hi| Bound::plane(hi.clone(), d.clone())))?;
-            }
-            Ordering::Less => {
-                entry = entry.latest(hi.map(|hi| Bound::plane(hi.negated(), d.negated())))?;
-                exit = exit.earliest(lo.map(|lo| Bound::plane(lo.negated(), d.negated())))?;
-            }
-            Ordering::Equal => {
-                for (plane, outside) in [(lo, Ordering::Greater), (hi, Ordering::Less)] {
-                    let side = plane.map_or(Some(outside.reverse()), N::sign)?;
-                    if side == outside {
-                        return Some(Truth::MISS);
-                    }
-                    within_face |= side.is_eq();
-                }
-            }
-        }
-    }
+fn truth<N: Number>(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Truth> {
+    let Some(Segment { entry, exit, within_face }) = Segment::of(shape, line, ray)? else {
+        return Some(Truth::MISS);
+    };
     let order = entry.compare(&exit)?;
     if order.is_gt() {
         return Some(Truth::MISS);
@@ -92,8 +42,64 @@ fn clip<N: Number>(shape: &Aabb, lo: &[N; 3], hi: &[N; 3], d: &[N; 3], ray: &Ray
     Some(Truth { hit: true, boundary: within_face | touching, t: entry.round()?, u: exit.round()?, v: 0.0 })
 }
 
+/// The part of the ray that lies within its interval and the box; empty where `exit` comes before `entry`.
+pub(super) struct Segment<N> {
+    pub(super) entry: Bound<N>,
+    pub(super) exit: Bound<N>,
+    /// Whether it runs along in a plane of the box.
+    pub(super) within_face: bool,
+}
+
+impl<N: Number> Segment<N> {
+    /// The outer `None` is doubt, the inner one a box that is empty or that the ray runs past, parallel to a slab.
+    pub(super) fn of(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Option<Self>> {
+        if is_empty(shape) {
+            return Some(None);
+        }
+        let corners = N::vectors([zero_unless_finite(shape.lo), zero_unless_finite(shape.hi)]);
+        let [lo, hi] = corners.map(|corner| minus(&corner.map(|plane| line.scaled(plane)), &line.origin));
+        let (mut entry, mut exit) = (Bound::Interval(ray.t_min), Bound::Interval(ray.t_max));
+        let mut within_face = false;
+        for axis in 0..3 {
+            let d = &line.dir[axis];
+            let lo = shape.lo[axis].is_finite().then_some(&lo[axis]);
+            let hi = shape.hi[axis].is_finite().then_some(&hi[axis]);
+            match d.sign()? {
+                Ordering::Greater => {
+                    entry = entry.latest(lo.map(|lo| Bound::plane(lo.clone(), d.clone())))?;
+                    exit = exit.earliest(hi.map(|hi| Bound::plane(hi.clone(), d.clone())))?;
+                }
+                Ordering::Less => {
+                    entry = entry.latest(hi.map(|hi| Bound::plane(hi.negated(), d.negated())))?;
+                    exit = exit.earliest(lo.map(|lo| Bound::plane(lo.negated(), d.negated())))?;
+                }
+                Ordering::Equal => {
+                    for (plane, outside) in [(lo, Ordering::Greater), (hi, Ordering::Less)] {
+                        let side = plane.map_or(Some(outside.reverse()), N::sign)?;
+                        if side == outside {
+                            return Some(None);
+                        }
+                        within_face |= side.is_eq();
+                    }
+                }
+            }
+        }
+        Some(Some(Self { entry, exit, within_face }))
+    }
+}
+
+fn is_empty(shape: &Aabb) -> bool {
+    let ordered = shape.lo.cmple(shape.hi) & shape.lo.cmplt(Vec3::INFINITY) & shape.hi.cmpgt(Vec3::NEG_INFINITY);
+    !ordered.all()
+}
+
+/// Stands in for infinite planes, which are skipped.
+fn zero_unless_finite(corner: Vec3) -> Vec3 {
+    Vec3::select(corner.is_finite_mask(), corner, Vec3::ZERO)
+}
+
 /// Where the ray enters or leaves: at an end of its own interval, or at a plane.
-enum Bound<N> {
+pub(super) enum Bound<N> {
     Interval(f32),
     /// `t = num / den`, `den > 0`.
     Plane {

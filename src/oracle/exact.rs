@@ -2,16 +2,16 @@
 
 use core::cmp::Ordering;
 
-use dashu_int::ops::{BitTest, DivRem, UnsignedAbs};
+use dashu_int::ops::{BitTest, DivRem, SquareRootRem, UnsignedAbs};
 use dashu_int::{IBig, Sign};
 use glam::Vec3;
 
-use super::number::Number;
+use super::number::{Number, Root};
 
 /// `int · 2^exponent`, exactly.
 ///
-/// Sums of different exponents shift one operand. The formulas are homogeneous, so this hardly ever happens once the
-/// inputs that are added to each other have one exponent ([`Number::vectors`]).
+/// Sums of different exponents shift one operand. The formulas for triangles and boxes are homogeneous, so this hardly ever
+/// happens there once the inputs that are added to each other have one exponent ([`Number::vectors`]).
 #[derive(Clone, Debug)]
 pub(super) struct Dyadic {
     int: IBig,
@@ -94,6 +94,24 @@ impl Number for Dyadic {
         let bits = u32::try_from(quotient).expect("a quotient of at most 32 bits") | u32::from(!rest.is_zero());
         let magnitude = (f64::from(bits) * power_of_two(exponent)) as f32;
         Some(if self.int.sign() == Sign::Negative { -magnitude } else { magnitude })
+    }
+
+    /// Puts in place of the square root a number that is on the same side as the root, or equal, of everything that
+    /// decides the rounding. These are the midpoints between neighbours in `f32`, which are multiples of 2⁻¹⁵⁰: a root `t`
+    /// of the polynomial is on one side of a midpoint m where `√discriminant` is on the same side of ±(m·a + b), a
+    /// multiple of some power of two. So it is enough to take the whole multiples of that power that are in the root, and
+    /// another half where anything is left.
+    fn root(a: &Self, b: &Self, _c: &Self, discriminant: &Self, which: Root) -> Option<f32> {
+        let exponent = (a.exponent - 150).min(b.exponent).min(discriminant.exponent.div_euclid(2));
+        let shift = (discriminant.exponent - 2 * exponent) as usize;
+        let (whole, rest) = ((&discriminant.int).unsigned_abs() << shift).sqrt_rem();
+        let doubled = (IBig::from(whole) << 1_usize) + IBig::from(u8::from(!rest.is_zero()));
+        let root = Self { int: doubled, exponent: exponent - 1 };
+        match which {
+            Root::Lesser => b.plus(&root).negated(),
+            Root::Greater => root.minus(b),
+        }
+        .over(a)
     }
 }
 

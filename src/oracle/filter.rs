@@ -4,7 +4,7 @@ use core::cmp::Ordering;
 
 use glam::Vec3;
 
-use super::number::Number;
+use super::number::{Number, Root};
 
 /// Half the spacing of `f64` at 1: the relative error of one rounding.
 const UNIT: f64 = f64::EPSILON / 2.0;
@@ -90,6 +90,28 @@ impl Number for Bounded {
         let (least, greatest) = ((value - error).next_down() as f32, (value + error).next_up() as f32);
         // By bits, which tell the rounding of a negative number, -0, from that of a positive one.
         (least.to_bits() == greatest.to_bits() && !least.is_nan()).then_some(least)
+    }
+
+    /// By the one of two equal quotients, `(-b ± √discriminant) / a` and `c / (-b ∓ √discriminant)`, in which nothing
+    /// cancels.
+    #[inline(always)]
+    fn root(a: &Self, b: &Self, c: &Self, discriminant: &Self, which: Root) -> Option<f32> {
+        if discriminant.sign()? != Ordering::Greater {
+            return None;
+        }
+        // |√(v+δ) - √v| = |δ| / (√(v+δ) + √v) <= |δ| / √v
+        let value = discriminant.value.sqrt();
+        let root = Self::rounded(value, discriminant.error / value);
+        let signed = if which == Root::Lesser { root.negated() } else { root };
+        if (b.value > 0.0) == (which == Root::Lesser) {
+            return signed.minus(b).over(a);
+        }
+        let (num, den) = (c.negated(), b.plus(&signed));
+        match den.sign()? {
+            Ordering::Greater => num.over(&den),
+            Ordering::Less => num.negated().over(&den.negated()),
+            Ordering::Equal => None,
+        }
     }
 }
 

@@ -1,12 +1,12 @@
 //! The exact answer to "does this ray hit this shape, and where?", for everything the study measures.
 //!
 //! Every finite `f32` is a whole number times a power of two, and an intersection needs only sums, products and signs
-//! of such numbers, plus one division whose result is rounded once. So the answer can be exact, with no tolerance
+//! of such numbers, plus one division, or for quadrics one root, whose result is rounded once. So the answer can be exact, with no tolerance
 //! anywhere: [`Exact::truth_exact`] computes it in whole numbers of any size. As that takes about a microsecond,
 //! [`Exact::truth`] first tries an `f64` filter, which carries a proven error bound beside each value and keeps silent
 //! where the bound leaves a doubt.
 //!
-//! Each shape states its formulas once (`triangle.rs`, `aabb.rs`), over any number that has what `number.rs` asks for;
+//! Each shape states its formulas once (`triangle.rs`, `aabb.rs`, `quadric.rs`), over any number that has what `number.rs` asks for;
 //! the exact numbers (`exact.rs`) and the bounded ones (`filter.rs`) both run that one body. The oracle knows nothing of
 //! the kernels it judges.
 
@@ -14,6 +14,7 @@ mod aabb;
 mod exact;
 mod filter;
 mod number;
+mod quadric;
 mod triangle;
 
 use crate::geom::Ray;
@@ -30,7 +31,8 @@ pub struct Truth {
     pub hit: bool,
     /// Whether that hangs on an equality, so that the slightest error may decide it the other way. A triangle: the hit
     /// is on an edge or a vertex, or `t` is an end of the interval. A box: the part of the ray within the interval
-    /// meets the surface but not the inside, as every hit of a flat box does. Never set for a miss.
+    /// meets the surface but not the inside, as every hit of a flat box does. A quadric: the ray is tangent, or the hit is on
+    /// a plane of the clip box or at an end of the interval. Never set for a miss.
     pub boundary: bool,
     /// Ray parameter of the hit, as in [`Hit`](crate::geom::Hit).
     ///
@@ -48,11 +50,14 @@ impl Truth {
     pub const MISS: Self = Self { hit: false, boundary: false, t: f32::INFINITY, u: 0.0, v: 0.0 };
 }
 
-/// A shape whose intersection with a ray is known exactly: a triangle, a box, or either of them
+/// A shape whose intersection with a ray is known exactly: a triangle, a box, a quadric, or one of them
 /// [`Placed`](crate::geom::Placed) by a transform.
 ///
-/// What cannot be hit misses: a ray that is not valid, a triangle of zero area or not finite, an empty box, a transform
-/// that is singular or not finite.
+/// A quadric is hit at the nearest point of its surface that lies both in the closed interval and in the closed clip box.
+///
+/// What cannot be hit misses: a ray that is not valid, a triangle of zero area or not finite, an empty box, a quadric that
+/// is not finite or has an empty clip box or contains the whole line of the ray, a transform that is singular or not
+/// finite.
 pub trait Exact: Shape {
     /// The exact answer: by the filter where it is sure, else in whole numbers.
     fn truth(&self, ray: &Ray<f32>) -> Truth {

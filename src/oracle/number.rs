@@ -4,6 +4,8 @@ use core::cmp::Ordering;
 
 use glam::{Affine3, Vec3};
 
+use crate::geom::Ray;
+
 /// A number to compute signs and rounded quotients with: exact, or enclosed by an error bound. Where the bound leaves
 /// a doubt, the question is answered with `None`.
 pub(super) trait Number: Clone {
@@ -27,6 +29,18 @@ pub(super) trait Number: Clone {
     fn sign(&self) -> Option<Ordering>;
     /// `self / divisor`, correctly rounded, for a divisor whose sign is known to be positive.
     fn over(&self, divisor: &Self) -> Option<f32>;
+    /// A root of `a·t² + 2b·t + c`, correctly rounded, for an `a` known to be positive and a `discriminant`, `b² - a·c`,
+    /// known not to be negative.
+    fn root(a: &Self, b: &Self, c: &Self, discriminant: &Self, which: Root) -> Option<f32>;
+}
+
+/// Which root of a polynomial of second degree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Root {
+    /// `(-b - √discriminant) / a`.
+    Lesser,
+    /// `(-b + √discriminant) / a`.
+    Greater,
 }
 
 /// How `num / den`, with `den > 0`, compares to `limit`, which may be infinite.
@@ -58,7 +72,7 @@ pub(super) struct Linear<N> {
     /// Rows of |det L| · L⁻¹, the adjugate with the sign of the determinant.
     adjugate: [[N; 3]; 3],
     /// |det L|.
-    pub(super) det: N,
+    det: N,
 }
 
 impl<N: Number> Linear<N> {
@@ -87,5 +101,45 @@ impl<N: Number> Linear<N> {
     /// |det L| · L⁻¹ · `vector`.
     pub(super) fn apply_adjugate(&self, vector: &[N; 3]) -> [N; 3] {
         self.adjugate.each_ref().map(|row| dot(row, vector))
+    }
+}
+
+/// The ray in the coordinates of a shape: the points `(origin + t·dir) / scale`.
+pub(super) struct Line<N> {
+    pub(super) origin: [N; 3],
+    pub(super) dir: [N; 3],
+    /// Positive; `None` stands for 1, with which nothing needs to be multiplied.
+    scale: Option<N>,
+}
+
+impl<N: Number> Line<N> {
+    /// The ray as it is, which must be valid.
+    pub(super) fn of(ray: &Ray<f32>) -> Self {
+        let [origin] = N::vectors([ray.origin]);
+        let [dir] = N::vectors([ray.dir]);
+        Self { origin, dir, scale: None }
+    }
+
+    /// The ray, which must be valid, before the transform. Everything is multiplied by the determinant, so that nothing is
+    /// divided. The outer `None` is doubt, the inner one a transform that is not finite or has no inverse.
+    pub(super) fn before(transform: &Affine3, ray: &Ray<f32>) -> Option<Option<Self>> {
+        if !transform.is_finite() {
+            return Some(None);
+        }
+        let Some(linear) = Linear::<N>::of(transform)? else {
+            return Some(None);
+        };
+        let [o, translation] = &N::vectors([ray.origin, transform.translation]);
+        let origin = linear.apply_adjugate(&minus(o, translation));
+        let [d] = &N::vectors([ray.dir]);
+        Some(Some(Self { origin, dir: linear.apply_adjugate(d), scale: Some(linear.det) }))
+    }
+
+    /// `number · scale`.
+    pub(super) fn scaled(&self, number: N) -> N {
+        match &self.scale {
+            Some(scale) => number.times(scale),
+            None => number,
+        }
     }
 }
