@@ -136,7 +136,7 @@ mod instances {
         for object_to_world in [flat, dependent, infinite, nan] {
             let error = Instance::new(MollerTrumbore::prepare(&TRIANGLE), object_to_world).unwrap_err();
             assert!(error.to_string().starts_with("transform has no inverse"), "{error}");
-            let prepared = Instance::<MollerTrumbore<f32>>::prepare(&Placed { shape: TRIANGLE, object_to_world });
+            let prepared = <Instance<MollerTrumbore<f32>>>::prepare(&Placed { shape: TRIANGLE, object_to_world });
             assert!(!Intersect::<f32>::hit(&prepared, &ray(v(0.25, 0.25, -1.0), Vec3::Z)).mask);
         }
     }
