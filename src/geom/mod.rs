@@ -1,11 +1,14 @@
-//! Rays, hits and shapes: plain data, generic over the lane type, and the arithmetic that keeps twins identical.
+//! Rays, hits and shapes: plain data, generic over the lane type; the arithmetic that keeps twins identical; and
+//! transforms.
 
 mod hit;
 pub mod lanes;
 mod ray;
 mod shapes;
+mod transform;
 
 pub use hit::Hit;
 pub use lanes::{Lanes, Mask8, Vec3x8};
 pub use ray::Ray;
 pub use shapes::{Aabb, Placed, Quadric, Shape, Triangle};
+pub use transform::{Axis, InvalidTransform, Transform2, Transform3};

@@ -1,0 +1,493 @@
+//! Scaling, rotation, shear and translation in the plane and in space, each with its inverse in closed form, and chains
+//! of them.
+//!
+//! A chain composes from left to right as written: the first transform is applied first, so its matrix stands rightmost
+//! in the product. The inverse of a chain is the chain of the inverses in reverse order.
+//!
+//! | | row equations | inverse |
+//! | --- | --- | --- |
+//! | translation by (a, b, c) | `x' = x + a`, `y' = y + b`, `z' = z + c` | by (-a, -b, -c) |
+//! | scaling by (a, b, c) | `x' = a·x`, `y' = b·y`, `z' = c·z` | by (1/a, 1/b, 1/c) |
+//! | rotation about x by φ | `x' = x`, `y' = cos φ·y - sin φ·z`, `z' = sin φ·y + cos φ·z` | by -φ, the transpose |
+//! | rotation about y by φ | `x' = cos φ·x + sin φ·z`, `y' = y`, `z' = -sin φ·x + cos φ·z` | by -φ, the transpose |
+//! | rotation about z by φ | `x' = cos φ·x - sin φ·y`, `y' = sin φ·x + cos φ·y`, `z' = z` | by -φ, the transpose |
+//! | shear of x by y, factor h | `x' = x + h·y`, `y' = y`, `z' = z` | factor -h |
+//!
+//! and the same for the five other pairs of axes. In the plane leave z out; the rotation is the one about z. The
+//! slides that go with the textbook print the first row of the shear as `x' = x + h`, without the factor y. That is a
+//! translation; the shear matrix beside it, with h in row x and column y, is right, and is the one used here.
+//!
+//! Entries are computed in `f64` and rounded to `f32` once, after all products, so that a chain of many transforms is as
+//! accurate as one. Sine and cosine come from the `libm` crate: the platform's differ from machine to machine.
+//!
+//! Results are glam's affine types, which leave out the last row of the homogeneous matrix, always (0, …, 0, 1). The
+//! full 3×3 and 4×4 matrices are `Mat3::from` and `Mat4::from` of them:
+//!
+//! ```
+//! use glam::{Mat4, Vec3};
+//! use raylanes::geom::{Axis, Transform3};
+//!
+//! let chain = [
+//!     Transform3::Scale(Vec3::new(2.0, 1.0, 1.0)),
+//!     Transform3::Shear { axis: Axis::X, by: Axis::Y, factor: 0.5 },
+//!     Transform3::RotateZ(90.0),
+//!     Transform3::Translate(Vec3::new(0.0, 0.0, 3.0)),
+//! ];
+//! // (1, 2, 0) is stretched to (2, 2, 0), sheared to (3, 2, 0), turned to (-2, 3, 0) and lifted to (-2, 3, 3).
+//! let object_to_world = Transform3::chain(&chain);
+//! assert_eq!(object_to_world.transform_point3(Vec3::new(1.0, 2.0, 0.0)), Vec3::new(-2.0, 3.0, 3.0));
+//!
+//! let world_to_object = Transform3::chain_inverse(&chain)?;
+//! assert_eq!(world_to_object.transform_point3(Vec3::new(-2.0, 3.0, 3.0)), Vec3::new(1.0, 2.0, 0.0));
+//!
+//! let homogeneous = Mat4::from(object_to_world) * Vec3::new(1.0, 2.0, 0.0).extend(1.0);
+//! assert_eq!(homogeneous.to_array(), [-2.0, 3.0, 3.0, 1.0]);
+//! # Ok::<(), raylanes::geom::InvalidTransform<Transform3>>(())
+//! ```
+//!
+//! Source: P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", chapter on transformation matrices.
+
+use core::fmt;
+
+use glam::{Affine2, Affine3, DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3, Vec2, Vec3};
+
+/// An axis of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+        })
+    }
+}
+
+/// One transform of space. Angles are in degrees, counter-clockwise as seen from the tip of the axis; multiples of 90
+/// are exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transform3 {
+    /// Moves by this vector.
+    Translate(Vec3),
+    /// Multiplies each coordinate by its own factor. A negative one mirrors.
+    Scale(Vec3),
+    /// Turns y towards z.
+    RotateX(f32),
+    /// Turns z towards x.
+    RotateY(f32),
+    /// Turns x towards y.
+    RotateZ(f32),
+    /// Adds `factor` times the coordinate `by` to the coordinate `axis`.
+    Shear {
+        /// The coordinate that changes.
+        axis: Axis,
+        /// The coordinate that it is changed by, another one.
+        by: Axis,
+        /// How much by.
+        factor: f32,
+    },
+}
+
+/// One transform of the plane. Angles are in degrees, counter-clockwise; multiples of 90 are exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transform2 {
+    /// Moves by this vector.
+    Translate(Vec2),
+    /// Multiplies each coordinate by its own factor. A negative one mirrors.
+    Scale(Vec2),
+    /// Turns x towards y.
+    Rotate(f32),
+    /// Adds this many times y to x.
+    ShearX(f32),
+    /// Adds this many times x to y.
+    ShearY(f32),
+}
+
+/// A transform that has no inverse, or no meaning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InvalidTransform<T> {
+    /// The transform that was refused.
+    pub transform: T,
+    /// What is wrong with it.
+    pub reason: &'static str,
+}
+
+impl<T: fmt::Display> fmt::Display for InvalidTransform<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.transform, self.reason)
+    }
+}
+
+impl<T: fmt::Display + fmt::Debug> core::error::Error for InvalidTransform<T> {}
+
+const NOT_FINITE: &str = "not a finite number";
+const ZERO_SCALE: &str = "a factor of zero has no inverse";
+const SELF_SHEAR: &str = "an axis cannot be sheared by itself";
+
+impl fmt::Display for Transform3 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Translate(by) => write!(f, "translation by {by}"),
+            Self::Scale(by) => write!(f, "scaling by {by}"),
+            Self::RotateX(degrees) => write!(f, "rotation about x by {degrees} degrees"),
+            Self::RotateY(degrees) => write!(f, "rotation about y by {degrees} degrees"),
+            Self::RotateZ(degrees) => write!(f, "rotation about z by {degrees} degrees"),
+            Self::Shear { axis, by, factor } => write!(f, "shear of {axis} by {by} with factor {factor}"),
+        }
+    }
+}
+
+impl fmt::Display for Transform2 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Translate(by) => write!(f, "translation by {by}"),
+            Self::Scale(by) => write!(f, "scaling by {by}"),
+            Self::Rotate(degrees) => write!(f, "rotation by {degrees} degrees"),
+            Self::ShearX(factor) => write!(f, "shear of x by y with factor {factor}"),
+            Self::ShearY(factor) => write!(f, "shear of y by x with factor {factor}"),
+        }
+    }
+}
+
+impl Transform3 {
+    /// Whether the transform has an inverse.
+    ///
+    /// # Errors
+    /// If a number is not finite, a scaling has a factor of zero, or an axis is sheared by itself.
+    pub fn check(&self) -> Result<(), InvalidTransform<Self>> {
+        let refuse = |reason| Err(InvalidTransform { transform: *self, reason });
+        match *self {
+            Self::Translate(by) | Self::Scale(by) if !by.is_finite() => refuse(NOT_FINITE),
+            Self::RotateX(number)
+            | Self::RotateY(number)
+            | Self::RotateZ(number)
+            | Self::Shear { factor: number, .. }
+                if !number.is_finite() =>
+            {
+                refuse(NOT_FINITE)
+            }
+            Self::Scale(by) if by.cmpeq(Vec3::ZERO).any() => refuse(ZERO_SCALE),
+            Self::Shear { axis, by, .. } if axis == by => refuse(SELF_SHEAR),
+            _ => Ok(()),
+        }
+    }
+
+    /// Its matrix: exact for translation, scaling and shear; sines and cosines have a relative error below 2⁻⁵⁰. NaN
+    /// where a number is.
+    pub fn matrix(&self) -> DAffine3 {
+        let about = |[from, to]: [usize; 2], degrees| {
+            let (sin, cos) = sin_cos(degrees);
+            let mut linear = DMat3::IDENTITY;
+            linear.col_mut(from)[from] = cos;
+            linear.col_mut(from)[to] = sin;
+            linear.col_mut(to)[from] = -sin;
+            linear.col_mut(to)[to] = cos;
+            DAffine3::from_mat3(linear)
+        };
+        match *self {
+            Self::Translate(by) => DAffine3::from_translation(by.as_dvec3()),
+            Self::Scale(by) => DAffine3::from_scale(by.as_dvec3()),
+            Self::RotateX(degrees) => about([1, 2], degrees),
+            Self::RotateY(degrees) => about([2, 0], degrees),
+            Self::RotateZ(degrees) => about([0, 1], degrees),
+            Self::Shear { axis, by, factor } => {
+                let mut linear = DMat3::IDENTITY;
+                linear.col_mut(by as usize)[axis as usize] += f64::from(factor);
+                DAffine3::from_mat3(linear)
+            }
+        }
+    }
+
+    /// The matrix of its inverse, in closed form: as accurate as [`Transform3::matrix`], but for one rounding where a
+    /// scaling is inverted.
+    ///
+    /// # Errors
+    /// See [`Transform3::check`].
+    pub fn inverse(&self) -> Result<DAffine3, InvalidTransform<Self>> {
+        self.check()?;
+        Ok(match *self {
+            Self::Translate(by) => Self::Translate(-by).matrix(),
+            Self::Scale(by) => DAffine3::from_scale(DVec3::ONE / by.as_dvec3()),
+            Self::RotateX(degrees) => Self::RotateX(-degrees).matrix(),
+            Self::RotateY(degrees) => Self::RotateY(-degrees).matrix(),
+            Self::RotateZ(degrees) => Self::RotateZ(-degrees).matrix(),
+            Self::Shear { axis, by, factor } => Self::Shear { axis, by, factor: -factor }.matrix(),
+        })
+    }
+
+    /// The transforms one after the other, the first one first; the identity for none. Not checked: a scaling by zero
+    /// gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is infinite.
+    pub fn chain(transforms: &[Self]) -> Affine3 {
+        transforms.iter().fold(DAffine3::IDENTITY, |chain, next| next.matrix() * chain).as_affine3()
+    }
+
+    /// The inverse of [`Transform3::chain`]: the inverses one after the other, the last one first. An entry beyond the
+    /// range of `f32` is infinite.
+    ///
+    /// # Errors
+    /// The first transform that has no inverse: see [`Transform3::check`].
+    pub fn chain_inverse(transforms: &[Self]) -> Result<Affine3, InvalidTransform<Self>> {
+        let inverse = |chain, next: &Self| Ok(chain * next.inverse()?);
+        Ok(transforms.iter().try_fold(DAffine3::IDENTITY, inverse)?.as_affine3())
+    }
+}
+
+impl Transform2 {
+    /// Whether the transform has an inverse.
+    ///
+    /// # Errors
+    /// If a number is not finite, or a scaling has a factor of zero.
+    pub fn check(&self) -> Result<(), InvalidTransform<Self>> {
+        let refuse = |reason| Err(InvalidTransform { transform: *self, reason });
+        match *self {
+            Self::Translate(by) | Self::Scale(by) if !by.is_finite() => refuse(NOT_FINITE),
+            Self::Rotate(number) | Self::ShearX(number) | Self::ShearY(number) if !number.is_finite() => {
+                refuse(NOT_FINITE)
+            }
+            Self::Scale(by) if by.cmpeq(Vec2::ZERO).any() => refuse(ZERO_SCALE),
+            _ => Ok(()),
+        }
+    }
+
+    /// Its matrix: exact for translation, scaling and shear; sines and cosines have a relative error below 2⁻⁵⁰. NaN
+    /// where a number is.
+    pub fn matrix(&self) -> DAffine2 {
+        let linear = |x_axis: [f64; 2], y_axis: [f64; 2]| {
+            DAffine2::from_mat2(DMat2::from_cols(DVec2::from(x_axis), DVec2::from(y_axis)))
+        };
+        match *self {
+            Self::Translate(by) => DAffine2::from_translation(by.as_dvec2()),
+            Self::Scale(by) => DAffine2::from_scale(by.as_dvec2()),
+            Self::Rotate(degrees) => {
+                let (sin, cos) = sin_cos(degrees);
+                linear([cos, sin], [-sin, cos])
+            }
+            Self::ShearX(factor) => linear([1.0, 0.0], [factor.into(), 1.0]),
+            Self::ShearY(factor) => linear([1.0, factor.into()], [0.0, 1.0]),
+        }
+    }
+
+    /// The matrix of its inverse, in closed form: as accurate as [`Transform2::matrix`], but for one rounding where a
+    /// scaling is inverted.
+    ///
+    /// # Errors
+    /// See [`Transform2::check`].
+    pub fn inverse(&self) -> Result<DAffine2, InvalidTransform<Self>> {
+        self.check()?;
+        Ok(match *self {
+            Self::Translate(by) => Self::Translate(-by).matrix(),
+            Self::Scale(by) => DAffine2::from_scale(DVec2::ONE / by.as_dvec2()),
+            Self::Rotate(degrees) => Self::Rotate(-degrees).matrix(),
+            Self::ShearX(factor) => Self::ShearX(-factor).matrix(),
+            Self::ShearY(factor) => Self::ShearY(-factor).matrix(),
+        })
+    }
+
+    /// The transforms one after the other, the first one first; the identity for none. Not checked: a scaling by zero
+    /// gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is infinite.
+    pub fn chain(transforms: &[Self]) -> Affine2 {
+        transforms.iter().fold(DAffine2::IDENTITY, |chain, next| next.matrix() * chain).as_affine2()
+    }
+
+    /// The inverse of [`Transform2::chain`]: the inverses one after the other, the last one first. An entry beyond the
+    /// range of `f32` is infinite.
+    ///
+    /// # Errors
+    /// The first transform that has no inverse: see [`Transform2::check`].
+    pub fn chain_inverse(transforms: &[Self]) -> Result<Affine2, InvalidTransform<Self>> {
+        let inverse = |chain, next: &Self| Ok(chain * next.inverse()?);
+        Ok(transforms.iter().try_fold(DAffine2::IDENTITY, inverse)?.as_affine2())
+    }
+}
+
+/// Sine and cosine of an angle in degrees, the same bits on every machine; exact for multiples of 90, NaN for a NaN or an
+/// infinity.
+///
+/// The angle is reduced to at most 45 degrees, which is exact, before it becomes radians, which is not.
+fn sin_cos(degrees: f32) -> (f64, f64) {
+    let (rest, quarters) = libm::remquo(degrees.into(), 90.0);
+    let (sin, cos) = libm::sincos(rest.to_radians());
+    match quarters & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Mat3, Mat4};
+
+    const fn v(x: f32, y: f32, z: f32) -> Vec3 {
+        Vec3::new(x, y, z)
+    }
+
+    fn shear(axis: Axis, by: Axis, factor: f32) -> Transform3 {
+        Transform3::Shear { axis, by, factor }
+    }
+
+    /// One transform of each kind, with numbers of few bits and angles of 90 degrees: everything is exact.
+    fn exact3() -> Vec<Transform3> {
+        use Axis::{X, Y, Z};
+        let pairs = [(X, Y), (X, Z), (Y, X), (Y, Z), (Z, X), (Z, Y)];
+        let mut all = vec![
+            Transform3::Translate(v(1.5, -2.0, 3.0)),
+            Transform3::Scale(v(2.0, -0.5, 4.0)),
+            Transform3::RotateX(90.0),
+            Transform3::RotateY(-270.0),
+            Transform3::RotateZ(180.0),
+        ];
+        all.extend(pairs.map(|(axis, by)| shear(axis, by, 0.25)));
+        all
+    }
+
+    fn exact2() -> [Transform2; 5] {
+        [
+            Transform2::Translate(Vec2::new(1.5, -2.0)),
+            Transform2::Scale(Vec2::new(2.0, -0.5)),
+            Transform2::Rotate(90.0),
+            Transform2::ShearX(0.25),
+            Transform2::ShearY(-3.0),
+        ]
+    }
+
+    #[test]
+    fn each_transform_does_what_its_row_equations_say() {
+        use Axis::{X, Y, Z};
+        let point = v(1.0, 2.0, 3.0);
+        let cases = [
+            (Transform3::Translate(v(10.0, 20.0, 30.0)), v(11.0, 22.0, 33.0)),
+            (Transform3::Scale(v(2.0, 3.0, -4.0)), v(2.0, 6.0, -12.0)),
+            (Transform3::RotateX(90.0), v(1.0, -3.0, 2.0)),
+            (Transform3::RotateY(90.0), v(3.0, 2.0, -1.0)),
+            (Transform3::RotateZ(90.0), v(-2.0, 1.0, 3.0)),
+            (Transform3::RotateZ(-90.0), v(2.0, -1.0, 3.0)),
+            (Transform3::RotateZ(180.0), v(-1.0, -2.0, 3.0)),
+            (Transform3::RotateZ(360.0 * 4097.0), point),
+            (shear(X, Y, 10.0), v(21.0, 2.0, 3.0)),
+            (shear(X, Z, 10.0), v(31.0, 2.0, 3.0)),
+            (shear(Y, X, 10.0), v(1.0, 12.0, 3.0)),
+            (shear(Y, Z, 10.0), v(1.0, 32.0, 3.0)),
+            (shear(Z, X, 10.0), v(1.0, 2.0, 13.0)),
+            (shear(Z, Y, 10.0), v(1.0, 2.0, 23.0)),
+        ];
+        for (transform, expected) in cases {
+            let affine = Transform3::chain(&[transform]);
+            assert_eq!(affine.transform_point3(point), expected, "{transform}");
+            assert_eq!(Mat4::from(affine) * point.extend(1.0), expected.extend(1.0), "{transform}");
+        }
+        let point = Vec2::new(1.0, 2.0);
+        let cases = [
+            (Transform2::Translate(Vec2::new(10.0, 20.0)), Vec2::new(11.0, 22.0)),
+            (Transform2::Scale(Vec2::new(2.0, -3.0)), Vec2::new(2.0, -6.0)),
+            (Transform2::Rotate(90.0), Vec2::new(-2.0, 1.0)),
+            (Transform2::ShearX(10.0), Vec2::new(21.0, 2.0)),
+            (Transform2::ShearY(10.0), Vec2::new(1.0, 12.0)),
+        ];
+        for (transform, expected) in cases {
+            let affine = Transform2::chain(&[transform]);
+            assert_eq!(affine.transform_point2(point), expected, "{transform}");
+            assert_eq!(Mat3::from(affine) * point.extend(1.0), expected.extend(1.0), "{transform}");
+        }
+    }
+
+    #[test]
+    fn order_matters() {
+        // Stretched, then turned, a point on x is twice as far along y; turned, then stretched, it is not.
+        let (stretch, turn) = (Transform3::Scale(v(2.0, 1.0, 1.0)), Transform3::RotateZ(90.0));
+        assert_eq!(Transform3::chain(&[stretch, turn]).transform_point3(Vec3::X), v(0.0, 2.0, 0.0));
+        assert_eq!(Transform3::chain(&[turn, stretch]).transform_point3(Vec3::X), v(0.0, 1.0, 0.0));
+        let (move_, turn) = (Transform2::Translate(Vec2::X), Transform2::Rotate(90.0));
+        assert_eq!(Transform2::chain(&[move_, turn]).transform_point2(Vec2::ZERO), Vec2::new(0.0, 1.0));
+        assert_eq!(Transform2::chain(&[turn, move_]).transform_point2(Vec2::ZERO), Vec2::new(1.0, 0.0));
+    }
+
+    #[test]
+    fn inverses_undo_their_transforms_exactly_where_numbers_are_dyadic() {
+        for transform in exact3() {
+            let (matrix, inverse) = (transform.matrix(), transform.inverse().unwrap());
+            assert_eq!(matrix * inverse, DAffine3::IDENTITY, "{transform}");
+            assert_eq!(inverse * matrix, DAffine3::IDENTITY, "{transform}");
+        }
+        for transform in exact2() {
+            let (matrix, inverse) = (transform.matrix(), transform.inverse().unwrap());
+            assert_eq!(matrix * inverse, DAffine2::IDENTITY, "{transform}");
+            assert_eq!(inverse * matrix, DAffine2::IDENTITY, "{transform}");
+        }
+    }
+
+    #[test]
+    fn the_inverse_of_a_chain_undoes_the_chain() {
+        let chain = exact3();
+        assert_eq!(Transform3::chain_inverse(&chain).unwrap() * Transform3::chain(&chain), Affine3::IDENTITY);
+        let chain = exact2();
+        assert_eq!(Transform2::chain_inverse(&chain).unwrap() * Transform2::chain(&chain), Affine2::IDENTITY);
+        assert_eq!(Transform3::chain(&[]), Affine3::IDENTITY);
+        assert_eq!(Transform2::chain_inverse(&[]).unwrap(), Affine2::IDENTITY);
+    }
+
+    #[test]
+    fn angles_are_reduced_before_they_become_radians() {
+        let quarter = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)];
+        for turns in -9i16..=9 {
+            assert_eq!(sin_cos(f32::from(turns) * 90.0), quarter[usize::from(turns.rem_euclid(4) as u16)], "{turns}");
+        }
+        // 2¹²⁷ degrees are so many whole turns and this rest.
+        let rest = (0..127).fold(1u16, |rest, _| rest * 2 % 360);
+        assert_eq!(sin_cos(2f32.powi(127)), sin_cos(f32::from(rest)));
+        assert_eq!(sin_cos(30.0).0 as f32, 0.5);
+        assert_eq!(sin_cos(60.0).1 as f32, 0.5);
+        assert_eq!(sin_cos(150.0).0 as f32, 0.5);
+        for degrees in [45.0f32, 135.0, 225.0, 315.0] {
+            let (sin, cos) = sin_cos(degrees);
+            assert_eq!((sin.abs() as f32, cos.abs() as f32), (0.5f32.sqrt(), 0.5f32.sqrt()), "{degrees}");
+        }
+        // On the unit circle, to the roundings of two squares and a sum beside its own.
+        for step in -2000i16..2000 {
+            let (sin, cos) = sin_cos(f32::from(step) * 0.37);
+            assert!((sin * sin + cos * cos - 1.0).abs() <= 4.0 * f64::EPSILON, "{step}");
+        }
+        assert!(sin_cos(f32::NAN).0.is_nan() && sin_cos(f32::INFINITY).1.is_nan());
+    }
+
+    #[test]
+    fn what_has_no_inverse_is_refused_by_name_and_value() {
+        let cases = [
+            (Transform3::Scale(v(1.0, 0.0, 2.0)), "scaling by [1, 0, 2]: a factor of zero has no inverse"),
+            (Transform3::Scale(v(1.0, -0.0, 2.0)), "scaling by [1, -0, 2]: a factor of zero has no inverse"),
+            (Transform3::Scale(v(1.0, f32::NAN, 0.0)), "scaling by [1, NaN, 0]: not a finite number"),
+            (Transform3::Translate(v(f32::INFINITY, 0.0, 0.0)), "translation by [inf, 0, 0]: not a finite number"),
+            (Transform3::RotateY(f32::NAN), "rotation about y by NaN degrees: not a finite number"),
+            (shear(Axis::Z, Axis::X, f32::NEG_INFINITY), "shear of z by x with factor -inf: not a finite number"),
+            (shear(Axis::Y, Axis::Y, 3.0), "shear of y by y with factor 3: an axis cannot be sheared by itself"),
+        ];
+        for (transform, message) in cases {
+            let chain = [Transform3::RotateX(90.0), transform, Transform3::Scale(Vec3::ZERO)];
+            let error = Transform3::chain_inverse(&chain).unwrap_err();
+            assert_eq!((error.transform.to_string(), error.to_string()), (transform.to_string(), message.into()));
+        }
+        let cases = [
+            (Transform2::Scale(Vec2::new(0.0, 1.0)), "scaling by [0, 1]: a factor of zero has no inverse"),
+            (Transform2::Translate(Vec2::NAN), "translation by [NaN, NaN]: not a finite number"),
+            (Transform2::Rotate(f32::INFINITY), "rotation by inf degrees: not a finite number"),
+            (Transform2::ShearX(f32::NAN), "shear of x by y with factor NaN: not a finite number"),
+            (Transform2::ShearY(f32::NAN), "shear of y by x with factor NaN: not a finite number"),
+        ];
+        for (transform, message) in cases {
+            assert_eq!(Transform2::chain_inverse(&[transform]).unwrap_err().to_string(), message);
+        }
+        assert!(exact3().iter().all(|transform| transform.check().is_ok()));
+        assert!(exact2().iter().all(|transform| transform.check().is_ok()));
+    }
+}
