@@ -4,7 +4,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use raylanes::geom::{Ray, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
-use raylanes::tracer::{Mesh, Mode, Scene, SceneSource, thread_pool, trace};
+use raylanes::tracer::{LoadedScene, Mesh, Mode, Scene, SceneSource, thread_pool, trace};
 
 const SIZE: u32 = 256;
 
@@ -37,8 +37,9 @@ impl Visitor<Triangle> for Pictures<'_> {
 fn pictures(criterion: &mut Criterion) {
     for name in ["room", "terrain:1e5", "sphere"] {
         let source = SceneSource::parse(name).expect("a built-in scene");
-        let mesh = source.load().expect("built-in scenes need no file").0;
-        let rays = source.view(&mesh, SIZE, SIZE).0.rays(SIZE, SIZE);
+        let LoadedScene { world, view, .. } = source.load().expect("built-in scenes need no file");
+        let mesh = world.into_mesh();
+        let rays = view.camera(SIZE, SIZE).rays(SIZE, SIZE);
         registry::triangles(&mut Pictures { criterion: &mut *criterion, name, mesh: &mesh, rays: &rays });
     }
 }

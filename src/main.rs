@@ -12,7 +12,7 @@ use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel, Shape};
 use raylanes::registry::{self, TriangleTask, Visitor};
 use raylanes::study;
-use raylanes::tracer::{self, BuiltIn, Camera, Error, Light, Mesh, Mode, Scene, SceneSource, Shade};
+use raylanes::tracer::{self, BuiltIn, Camera, Error, Light, LoadedScene, Mesh, Mode, Scene, SceneSource, Shade, View};
 use serde::Serialize;
 
 /// Ray-intersection kernels, measured for speed and for accuracy.
@@ -64,7 +64,7 @@ impl Default for StudyArguments {
 /// What `trace` and `render` have in common.
 #[derive(Args)]
 struct SceneArguments {
-    /// An OBJ file or a built-in scene.
+    /// An OBJ file, a scene file or a built-in scene.
     scene: String,
     /// Triangle kernel, by ID or name; see `raylanes list`.
     #[arg(long, value_name = "ID", default_value = "moller_trumbore")]
@@ -218,18 +218,21 @@ impl SceneArguments {
             let message = format!("no such triangle kernel: expected one of {}", ids.0.join(", "));
             return Err(Error::Argument { argument: self.kernel.clone(), message });
         }
-        let (mesh, remarks) = source.load()?;
+        let LoadedScene { world, mut view, remarks } = source.load()?;
         for remark in remarks {
             note(&format!("note: {}: {remark}", source.name()));
         }
+        if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
+            view = View { eye, look_at, vertical_fov: self.fov, transform: None, light: view.light };
+        }
         let (width, height) = self.size;
-        let (camera, light) = match (self.eye, self.look_at) {
-            (Some(eye), Some(look_at)) => {
-                (Camera::new(eye, look_at, self.fov, width, height), source.view(&mesh, width, height).1)
-            }
-            _ => source.view(&mesh, width, height),
-        };
-        Ok(Loaded { mesh, camera, light, pool: tracer::thread_pool(self.threads.into())? })
+        let camera = view.camera(width, height);
+        Ok(Loaded {
+            mesh: world.into_mesh(),
+            camera,
+            light: view.light,
+            pool: tracer::thread_pool(self.threads.into())?,
+        })
     }
 
     fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
@@ -418,7 +421,11 @@ fn list() -> Result<String, Error> {
 }
 
 fn scene_help() -> String {
-    format!("SCENE is an OBJ file or a built-in scene: {}.", BuiltIn::NAMES.join(", "))
+    format!(
+        "SCENE is an OBJ file (*.obj), a scene file (*.toml) or a built-in scene: {}. A size may follow all but the last, \
+         such as room:small or terrain:1e6.",
+        BuiltIn::NAMES.join(", ")
+    )
 }
 
 /// The greatest number of pixels of a picture: 8192 × 8192.

@@ -124,7 +124,7 @@ impl World {
                 return Err(WorldError::TooMany { what, count });
             }
         }
-        if let Some(bad) = geometries.iter().position(|geometry| !is_good(geometry)) {
+        if let Some(bad) = geometries.iter().position(|geometry| !can_be_hit(geometry)) {
             return Err(WorldError::BadQuadric(bad));
         }
         for (number, instance) in instances.iter().enumerate() {
@@ -156,6 +156,16 @@ impl World {
         &self.instances
     }
 
+    /// BRIDGE until `Scene` takes a world: its first mesh, placed.
+    pub fn into_mesh(self) -> Mesh {
+        let transform = self.instances[0].object_to_world;
+        let mesh =
+            self.geometries.into_iter().find_map(|g| if let Geometry::Mesh(mesh) = g { Some(mesh) } else { None });
+        let mesh = mesh.expect("a mesh");
+        let positions = mesh.positions().iter().map(|p| transform.transform_point3(*p)).collect();
+        Mesh::new(positions, mesh.triangles().to_vec(), mesh.parts().to_vec()).expect("valid")
+    }
+
     /// Takes it apart.
     pub fn into_parts(self) -> (Vec<Geometry>, Vec<Placement>) {
         (self.geometries, self.instances)
@@ -170,7 +180,8 @@ impl From<Mesh> for World {
     }
 }
 
-fn is_good(geometry: &Geometry) -> bool {
+/// Whether a geometry is anything that a ray could hit. A mesh always is.
+pub(super) fn can_be_hit(geometry: &Geometry) -> bool {
     let Geometry::Quadric(quadric) = geometry else { return true };
     let Aabb { lo, hi } = quadric.bounds();
     let varies = (quadric.squares, quadric.products, quadric.linear) != (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
