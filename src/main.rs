@@ -12,7 +12,9 @@ use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel, Shape};
 use raylanes::registry::{self, TriangleTask, Visitor};
 use raylanes::study;
-use raylanes::tracer::{self, BuiltIn, Camera, Error, Light, LoadedScene, Mesh, Mode, Scene, SceneSource, Shade, View};
+use raylanes::tracer::{
+    self, BuiltIn, Camera, Error, Light, LoadedScene, Mode, Scene, SceneSource, Shade, View, World,
+};
 use serde::Serialize;
 
 /// Ray-intersection kernels, measured for speed and for accuracy.
@@ -203,7 +205,7 @@ fn warn_of_slow_build() {
 
 /// A scene that is ready to be traced, but for the kernel.
 struct Loaded {
-    mesh: Mesh,
+    world: World,
     camera: Camera,
     light: Light,
     pool: rayon::ThreadPool,
@@ -227,12 +229,7 @@ impl SceneArguments {
         }
         let (width, height) = self.size;
         let camera = view.camera(width, height);
-        Ok(Loaded {
-            mesh: world.into_mesh(),
-            camera,
-            light: view.light,
-            pool: tracer::thread_pool(self.threads.into())?,
-        })
+        Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
     }
 
     fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
@@ -321,9 +318,9 @@ impl TriangleTask for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { arguments, loaded: Loaded { mesh, pool, .. }, rays, mode } = self;
+        let Self { arguments, loaded: Loaded { world, pool, .. }, rays, mode } = self;
         let start = Instant::now();
-        let scene = pool.install(|| Scene::<K>::new(mesh));
+        let scene = pool.install(|| Scene::<K>::new(world));
         let build_seconds = start.elapsed().as_secs_f64();
         let trace = || pool.install(|| tracer::trace(&scene, &rays, arguments.any_hit, mode));
         let mut hits = trace(); // not counted: it warms up
@@ -335,7 +332,7 @@ impl TriangleTask for Trace<'_> {
         }
         let result = TraceResult {
             scene: arguments.scene.scene.clone(),
-            triangles: scene.mesh().len(),
+            triangles: scene.primitives(),
             rays: rays.len(),
             hits: hits.iter().filter(|hit| hit.mask).count(),
             mrays_per_second: study::median(&rates),
@@ -344,7 +341,7 @@ impl TriangleTask for Trace<'_> {
             kernel: K::INFO.id.to_string(),
             threads: pool.current_num_threads(),
             build_seconds,
-            bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
+            bytes_per_triangle: scene.bytes() as f64 / scene.primitives() as f64,
         };
         (result, hits)
     }
@@ -366,7 +363,7 @@ impl TriangleTask for Render<'_> {
     type Output = Result<(), Error>;
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { arguments, loaded: Loaded { mesh, camera, light, pool } } = self;
+        let Self { arguments, loaded: Loaded { world, camera, light, pool } } = self;
         let (width, height) = arguments.scene.size;
         let shade = match arguments.shade {
             ShadeArgument::Lambert => Shade::Lambert,
@@ -378,7 +375,7 @@ impl TriangleTask for Render<'_> {
             ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
         };
         pool.install(|| {
-            let scene = Scene::<K>::new(mesh);
+            let scene = Scene::<K>::new(world);
             tracer::render(&arguments.out, &scene, &camera, light, shade, mode, width, height)
         })
     }

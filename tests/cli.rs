@@ -130,12 +130,11 @@ fn hit_files_hold_the_hits_of_ray_files_in_order() {
     let folder = Folder::new("hits");
     let source = SceneSource::parse("room:small").unwrap();
     let LoadedScene { world, view, .. } = source.load().unwrap();
-    let mesh = world.into_mesh();
     let mut rays = view.camera(40, 30).rays(40, 30);
     rays.truncate(1003);
     rays[5].dir = Vec3::NAN;
     rays[6] = Ray::INACTIVE;
-    let expected = trace(&Scene::<Cramer<f32>>::new(mesh), &rays, false, Mode::Scalar);
+    let expected = trace(&Scene::<Cramer<f32>>::new(world), &rays, false, Mode::Scalar);
 
     let (ray_file, hit_file) = (folder.0.join("in.rays"), folder.0.join("out.hits"));
     write_rays(&ray_file, &rays).unwrap();

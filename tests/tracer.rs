@@ -7,7 +7,7 @@ use glam::Vec3;
 use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
-use raylanes::tracer::{LoadedScene, Mesh, Mode, Part, Scene, SceneSource, thread_pool, trace};
+use raylanes::tracer::{Geometry, LoadedScene, Mesh, Mode, Part, Scene, SceneSource, thread_pool, trace};
 
 use random::Random;
 
@@ -121,13 +121,13 @@ struct EveryKernel<'a> {
 
 impl Visitor<Triangle> for EveryKernel<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        every_way(self.name, &Scene::<K>::new(self.mesh.clone()), self.rays, self.stride);
+        every_way(self.name, &Scene::<K>::from(self.mesh.clone()), self.rays, self.stride);
     }
 }
 
 fn check(source: &SceneSource) {
     let LoadedScene { world, view, .. } = source.load().unwrap();
-    let mesh = &world.into_mesh();
+    let [Geometry::Mesh(mesh)] = world.geometries() else { panic!("{} is more than a mesh", source.name()) };
     let mut rays = view.camera(64, 64).rays(64, 64);
     rays.extend(hard_rays(mesh, 8_000));
     // About 20 million tests by brute force, whatever the size of the mesh.
@@ -157,14 +157,15 @@ fn real_scenes_have_identical_hits() {
 /// Triangles that tie in `t`: each is there several times, and the copies are in different leaves.
 #[test]
 fn the_lower_primitive_number_wins_ties() {
-    let mesh = SceneSource::parse("sphere:small").unwrap().load().unwrap().world.into_mesh();
+    let scene = SceneSource::parse("sphere:small").unwrap().load().unwrap();
+    let [Geometry::Mesh(mesh)] = scene.world.geometries() else { panic!("a sphere is a mesh") };
     let copies = 5;
     let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
     let many =
         Mesh::new(mesh.positions().to_vec(), triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap();
-    let rays = hard_rays(&mesh, 4_000);
+    let rays = hard_rays(mesh, 4_000);
     registry::triangles(&mut EveryKernel { name: "copies", mesh: &many, rays: &rays, stride: 1 });
-    let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::new(many), &rays, false, Mode::Packet);
+    let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::from(many), &rays, false, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
 }
 
@@ -204,7 +205,7 @@ struct TreeAgainstBruteForce<'a> {
 
 impl Visitor<Triangle> for TreeAgainstBruteForce<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        let scene = Scene::<K>::new(self.mesh.clone());
+        let scene = Scene::<K>::from(self.mesh.clone());
         let brute: Vec<_> = self.rays.iter().map(|ray| scene.closest_hit_brute_force(ray)).collect();
         for mode in Mode::ALL {
             let what = format!("{} triangles, {}, {}", self.mesh.len(), K::INFO.id, mode.name());
@@ -228,7 +229,7 @@ fn hits_stay_in_their_own_box() {
         let ray = Ray::new(target - dir * 1e4, dir);
         let corners = triangle.vertices().to_vec();
         let part = Part { first_triangle: 0, color: Vec3::ONE };
-        let scene = Scene::<raylanes::kernels::triangle::MollerTrumbore<f32>>::new(
+        let scene = Scene::<raylanes::kernels::triangle::MollerTrumbore<f32>>::from(
             Mesh::new(corners, vec![[0, 1, 2]], vec![part]).unwrap(),
         );
         let bare = Intersect::<f32>::hit(&raylanes::kernels::triangle::MollerTrumbore::prepare(&triangle), &ray);

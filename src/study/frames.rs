@@ -31,14 +31,14 @@ pub(crate) fn measure(
     progress.note(&format!("{}: building", source.name()));
     let LoadedScene { world, view, .. } = source.load()?;
     let start = Instant::now();
-    let scene = Scene::<MollerTrumbore<f32>>::new(world.into_mesh());
+    let scene = Scene::<MollerTrumbore<f32>>::new(world);
     let build_seconds = start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
     for set in ray_sets(&view, &scene, size) {
         progress.note(&format!("{}: {} rays", source.name(), set.name));
         rows.extend(time(&scene, &set, samples, thread_counts)?.into_iter().map(|job| TracerRow {
             scene: source.name(),
-            triangles: scene.mesh().len(),
+            triangles: scene.primitives(),
             rays: set.name.into(),
             ray_count: set.rays.len(),
             hits: job.hits.iter().filter(|hit| hit.mask).count(),
@@ -48,7 +48,7 @@ pub(crate) fn measure(
             mrays_per_second: median(&job.mrays),
             mrays_per_second_mad: mad(&job.mrays),
             build_seconds,
-            bytes_per_triangle: scene.bytes() as f64 / scene.mesh().len() as f64,
+            bytes_per_triangle: scene.bytes() as f64 / scene.primitives() as f64,
             checksum: format!("{:016x}", checksum(&job.hits)),
         }));
     }

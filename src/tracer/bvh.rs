@@ -1,15 +1,14 @@
 //! The bounding volume hierarchy: built by obvhs, stored in our own layout.
 //!
-//! A node holds the boxes of its two children, so that one cache line decides about both. Boxes are exact unions of
-//! whole-triangle boxes; there are no spatial splits, since a clipped box could cull a candidate that counts
-//! (see [`crate::tracer`]).
+//! A tree is over items that have boxes: triangles, or instances. A node holds the boxes of its two children, so that one
+//! cache line decides about both. Boxes are exact unions of the boxes of whole items; there are no spatial splits, since a
+//! clipped box could cull a candidate that counts (see [`crate::tracer`]).
 
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 
-use super::Mesh;
 use crate::geom::Aabb;
 use crate::kernels::aabb::Slabs;
 
@@ -25,16 +24,16 @@ pub(crate) struct Node {
     pub(crate) count: [u32; 2],
 }
 
-/// A tree over primitives. Leaves name ranges of *slots*; `primitive_of_slot` says which primitive is in a slot.
+/// A tree over items. Leaves name ranges of *slots*; `item_of_slot` says which item is in a slot.
 #[derive(Debug)]
 pub(crate) struct Bvh {
     /// Parents before children; the root is number 0.
     pub(crate) nodes: Vec<Node>,
-    /// A permutation of the primitive numbers.
-    pub(crate) primitive_of_slot: Vec<u32>,
+    /// A permutation of the items' numbers.
+    pub(crate) item_of_slot: Vec<u32>,
 }
 
-/// The box of a triangle, moved and scaled into the unit cube: obvhs computes areas in `f32`, and panics where they overflow
+/// The box of an item, moved and scaled into the unit cube: obvhs computes areas in `f32`, and panics where they overflow
 /// or underflow. Only the shape of the tree comes from these boxes.
 struct UnitBox(obvhs::aabb::Aabb);
 
@@ -44,32 +43,38 @@ impl Boundable for UnitBox {
     }
 }
 
-fn unit_boxes(mesh: &Mesh) -> Vec<UnitBox> {
-    let Aabb { lo, hi } = mesh.bounds();
-    let (least, extent) = (lo.as_dvec3(), (hi.as_dvec3() - lo.as_dvec3()).max_element());
+fn unit_boxes(count: usize, bounds_of: impl Fn(u32) -> Aabb) -> Vec<UnitBox> {
+    let Aabb { lo, hi } = (0..count as u32).fold(Aabb::EMPTY, |bounds, item| bounds.union(&bounds_of(item)));
+    // A side may be infinite.
+    let finite = |point: Vec3| point.clamp(Vec3::MIN, Vec3::MAX).as_dvec3();
+    let (least, extent) = (finite(lo), (finite(hi) - finite(lo)).max_element());
     let scale = if extent > 0.0 { 1.0 / extent } else { 0.0 };
-    let place = |point: Vec3| ((point.as_dvec3() - least) * scale).as_vec3a();
-    mesh.iter()
-        .map(|triangle| {
-            let Aabb { lo, hi } = triangle.bounds();
+    let place = |point: Vec3| ((finite(point) - least) * scale).as_vec3a();
+    (0..count as u32)
+        .map(|item| {
+            let Aabb { lo, hi } = bounds_of(item);
             UnitBox(obvhs::aabb::Aabb::new(place(lo), place(hi)))
         })
         .collect()
 }
 
 impl Bvh {
-    /// A tree over the triangles of a mesh, which has at least one.
-    pub(crate) fn build(mesh: &Mesh) -> Self {
+    /// Memory that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.item_of_slot[..])
+    }
+
+    /// A tree over `count` items, at least one, of which no leaf has more than `leaf`. Their boxes are not empty.
+    pub(crate) fn build(count: usize, leaf: u32, bounds_of: impl Fn(u32) -> Aabb) -> Self {
         let params = BvhBuildParams {
-            // Packets test a few triangles faster than the boxes of more nodes.
-            max_prims_per_leaf: 4,
+            max_prims_per_leaf: leaf,
             // obvhs' presets look only at direct neighbours on the first levels. On a regular grid all of those tie, and the
             // tree degenerates: 230 triangle tests per ray of the built-in room instead of 4. The build takes a third longer.
             search_depth_threshold: 0,
             ..BvhBuildParams::medium_build()
         };
-        let mut bvh = Self::pack(&build_bvh2(&unit_boxes(mesh), params, &mut Default::default()));
-        bvh.fit(mesh);
+        let mut bvh = Self::pack(&build_bvh2(&unit_boxes(count, &bounds_of), params, &mut Default::default()));
+        bvh.fit(bounds_of);
         bvh
     }
 
@@ -98,20 +103,20 @@ impl Bvh {
                 }
             }
         }
-        Self { nodes, primitive_of_slot: source.primitive_indices.clone() }
+        Self { nodes, item_of_slot: source.primitive_indices.clone() }
     }
 
-    /// Computes every box as the exact union of the boxes of the triangles below it.
-    fn fit(&mut self, mesh: &Mesh) {
+    /// Computes every box as the exact union of the boxes of the items below it.
+    fn fit(&mut self, bounds_of: impl Fn(u32) -> Aabb) {
         // Children come after their parents.
         for number in (0..self.nodes.len()).rev() {
             for side in [0, 1] {
                 let Node { first, count, .. } = self.nodes[number];
                 let (first, count) = (first[side] as usize, count[side] as usize);
                 let bounds = if count > 0 {
-                    self.primitive_of_slot[first..first + count]
+                    self.item_of_slot[first..first + count]
                         .iter()
-                        .fold(Aabb::EMPTY, |bounds, &primitive| bounds.union(&mesh.triangle(primitive).bounds()))
+                        .fold(Aabb::EMPTY, |bounds, &item| bounds.union(&bounds_of(item)))
                 } else if first > number {
                     let [left, right] = self.nodes[first].bounds.map(|slabs| Aabb { lo: slabs.lo, hi: slabs.hi });
                     left.union(&right)

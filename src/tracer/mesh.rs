@@ -177,7 +177,7 @@ fn sums_to_zero(terms: [f64; 6]) -> bool {
 }
 
 /// The rounded sum and its exact error.
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
     let a_part = sum - b_part;

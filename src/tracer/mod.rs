@@ -16,12 +16,14 @@
 //! the closest hit is the same for every order of visits, every tree, every packet, every thread count, and for trying
 //! all triangles one by one. And since a miss of a padded box is a proof, the rule only ever removes false hits.
 
+mod box_rule;
 mod builtin;
 mod bvh;
 mod camera;
 mod error;
 mod generator;
 mod mesh;
+mod mesh_tree;
 mod obj;
 mod output;
 mod picture;
@@ -29,9 +31,12 @@ mod rayfile;
 mod scene;
 mod scenefile;
 mod source;
+mod surface;
 mod trace;
+mod traverse;
 mod view;
 mod world;
+mod world_box;
 
 pub use builtin::BuiltIn;
 pub use camera::{Camera, block_order};
@@ -45,6 +50,7 @@ pub use rayfile::{read_rays, write_hits, write_rays};
 pub use scene::Scene;
 pub use scenefile::load_scene;
 pub use source::{LoadedScene, SceneSource};
+pub use surface::SurfacePoint;
 pub use trace::{Mode, checksum, thread_pool, trace};
 pub use view::{Light, View};
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};

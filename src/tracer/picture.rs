@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::{Camera, Error, Light, Mode, Scene, block_order, trace, write_atomically};
+use super::{Camera, Error, Light, Mode, Scene, SurfacePoint, block_order, trace, write_atomically};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 
@@ -45,7 +45,11 @@ pub fn render<K: Kernel<Shape = Triangle>>(
     let rays = camera.rays(width, height);
     let hits = trace(scene, &rays, false, mode);
     let colors = match shade {
-        Shade::Normals => hits.iter().map(|hit| of_hit(hit, |hit| normal(scene, hit) * 0.5 + 0.5)).collect(),
+        Shade::Normals => rays
+            .iter()
+            .zip(&hits)
+            .map(|(ray, hit)| of_hit(hit, |hit| scene.surface(ray, hit).normal * 0.5 + 0.5))
+            .collect(),
         Shade::Depth => depth(&rays, &hits),
         Shade::Lambert => lambert(scene, &rays, &hits, light, mode),
     };
@@ -68,10 +72,6 @@ fn encode(linear: f32) -> u8 {
 
 fn of_hit(hit: &Hit<f32>, color: impl FnOnce(&Hit<f32>) -> Vec3) -> Vec3 {
     if hit.mask { color(hit) } else { BACKGROUND }
-}
-
-fn normal<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, hit: &Hit<f32>) -> Vec3 {
-    scene.mesh().triangle(hit.primitive).normal()
 }
 
 fn depth(rays: &[Ray<f32>], hits: &[Hit<f32>]) -> Vec<Vec3> {
@@ -97,14 +97,14 @@ fn lambert<K: Kernel<Shape = Triangle>>(
     (0..rays.len())
         .map(|index| {
             of_hit(&hits[index], |hit| {
-                let normal = normal(scene, hit);
+                let SurfacePoint { normal, color, .. } = scene.surface(&rays[index], hit);
                 let to_light = shadow_rays[index].dir.normalize_or_zero();
                 let to_eye = -rays[index].dir.normalize_or_zero();
                 // Both sides reflect, but only the side that is seen.
                 let facing = normal.dot(to_light) * to_eye.dot(normal).signum();
                 let direct = if shadowed[index].mask { 0.0 } else { facing.max(0.0) };
                 let ambient = AMBIENT * (0.5 + 0.5 * to_eye.dot(normal).abs());
-                scene.mesh().color(hit.primitive) * (ambient + (1.0 - AMBIENT) * direct)
+                color * (ambient + (1.0 - AMBIENT) * direct)
             })
         })
         .collect()
@@ -117,7 +117,7 @@ pub(crate) fn shadow_rays<K: Kernel<Shape = Triangle>>(
     hits: &[Hit<f32>],
     light: Light,
 ) -> Vec<Ray<f32>> {
-    let size = scene.mesh().bounds().extent().length();
+    let size = scene.bounds().extent().length();
     let towards_light = |(ray, hit): (&Ray<f32>, &Hit<f32>)| {
         if !hit.mask {
             return Ray::INACTIVE;

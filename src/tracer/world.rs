@@ -156,16 +156,6 @@ impl World {
         &self.instances
     }
 
-    /// BRIDGE until `Scene` takes a world: its first mesh, placed.
-    pub fn into_mesh(self) -> Mesh {
-        let transform = self.instances[0].object_to_world;
-        let mesh =
-            self.geometries.into_iter().find_map(|g| if let Geometry::Mesh(mesh) = g { Some(mesh) } else { None });
-        let mesh = mesh.expect("a mesh");
-        let positions = mesh.positions().iter().map(|p| transform.transform_point3(*p)).collect();
-        Mesh::new(positions, mesh.triangles().to_vec(), mesh.parts().to_vec()).expect("valid")
-    }
-
     /// Takes it apart.
     pub fn into_parts(self) -> (Vec<Geometry>, Vec<Placement>) {
         (self.geometries, self.instances)

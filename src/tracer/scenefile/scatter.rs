@@ -31,12 +31,12 @@ impl Ground {
     pub(super) fn new<'a>(geometry: &Geometry, placements: impl Iterator<Item = &'a Placement>) -> Self {
         let placements = placements.map(|placement| Placement { geometry: 0, ..*placement }).collect();
         let world = World::new(vec![geometry.clone()], placements).expect("all of it has been checked");
-        Self { scene: Scene::new(world.into_mesh()) }
+        Self { scene: Scene::new(world) }
     }
 
     /// Its extent in x and z.
     pub(super) fn area(&self) -> [DVec2; 2] {
-        let Aabb { lo, hi } = self.scene.mesh().bounds();
+        let Aabb { lo, hi } = self.scene.bounds();
         [lo, hi].map(|corner| DVec2::new(corner.x.into(), corner.z.into()))
     }
 
