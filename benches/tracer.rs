@@ -4,20 +4,20 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use raylanes::geom::{Ray, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
-use raylanes::tracer::{Mesh, Mode, Scene, SceneSource, thread_pool, trace};
+use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, World, thread_pool, trace};
 
 const SIZE: u32 = 256;
 
 struct Pictures<'a> {
     criterion: &'a mut Criterion,
     name: &'a str,
-    mesh: &'a Mesh,
+    world: &'a World,
     rays: &'a [Ray<f32>],
 }
 
 impl Visitor<Triangle> for Pictures<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        let scene = Scene::<K>::from(self.mesh.clone());
+        let scene = Scene::<K>::new(self.world.clone());
         let mut group = self.criterion.benchmark_group(format!("{}/{}", self.name, K::INFO.id));
         group.throughput(Throughput::Elements(self.rays.len() as u64));
         for threads in [1, 2] {
@@ -37,9 +37,9 @@ impl Visitor<Triangle> for Pictures<'_> {
 fn pictures(criterion: &mut Criterion) {
     for name in ["room", "terrain:1e5", "sphere"] {
         let source = SceneSource::parse(name).expect("a built-in scene");
-        let mesh = source.load().expect("built-in scenes need no file").0;
-        let rays = source.view(&mesh, SIZE, SIZE).0.rays(SIZE, SIZE);
-        registry::triangles(&mut Pictures { criterion: &mut *criterion, name, mesh: &mesh, rays: &rays });
+        let LoadedScene { world, view, .. } = source.load().expect("built-in scenes need no file");
+        let rays = view.camera(SIZE, SIZE).rays(SIZE, SIZE);
+        registry::triangles(&mut Pictures { criterion: &mut *criterion, name, world: &world, rays: &rays });
     }
 }
 

@@ -14,7 +14,8 @@ use raylanes::kernels::{Intersect, Kernel, Shape};
 use raylanes::registry::{self, Task, Visitor};
 use raylanes::study;
 use raylanes::tracer::{
-    self, BuiltIn, Camera, Differences, Error, Light, Mode, Picture, Scene, SceneSource, Shade, View, World,
+    self, BuiltIn, Camera, Differences, Error, Light, LoadedScene, Mode, Picture, Scene, SceneSource, Shade, Shot,
+    View, World,
 };
 use serde::Serialize;
 
@@ -247,16 +248,16 @@ impl SceneArguments {
 
     fn load(&self) -> Result<Loaded, Error> {
         let source = SceneSource::parse(&self.scene)?;
-        let (mesh, remarks) = source.load()?;
+        let LoadedScene { world, mut view, remarks } = source.load()?;
         for remark in remarks {
             note(&format!("note: {}: {remark}", source.name()));
         }
-        let (width, height) = self.size;
-        let (mut camera, light) = source.view(&mesh, width, height);
         if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
-            camera = Camera::new(eye, look_at, self.fov, width, height);
+            view = View { eye, look_at, vertical_fov: self.fov, transform: None, light: view.light };
         }
-        Ok(Loaded { world: mesh.into(), camera, light, pool: tracer::thread_pool(self.threads.into())? })
+        let (width, height) = self.size;
+        let camera = view.camera(width, height);
+        Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
     }
 
     fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
@@ -438,14 +439,14 @@ fn render(arguments: &RenderArguments) -> Result<String, Error> {
         ModeArgument::Scalar => Mode::Scalar,
         ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
     };
-    let view = View { camera, light, mode, width, height };
+    let shot = Shot { camera, light, mode, width, height };
     pool.install(|| {
         let (picture, hits, world) =
-            kernels.run(Render { kernels, world, view: &view, shade: arguments.shade.into() });
+            kernels.run(Render { kernels, world, shot: &shot, shade: arguments.shade.into() });
         picture.write(&arguments.out)?;
         let Some(other) = other else { return Ok(String::new()) };
-        let other_hits = other.run(Look { kernels: other, world, view: &view });
-        let (marked, differences) = tracer::compare(&view, &picture, &hits, &other_hits);
+        let other_hits = other.run(Look { kernels: other, world, shot: &shot });
+        let (marked, differences) = tracer::compare(&shot, &picture, &hits, &other_hits);
         let file = beside(&arguments.out, "-compare");
         marked.write(&file)?;
         let [first, second] = if kernels.triangle == other.triangle {
@@ -467,7 +468,7 @@ fn render(arguments: &RenderArguments) -> Result<String, Error> {
 struct Render<'a> {
     kernels: Kernels,
     world: World,
-    view: &'a View,
+    shot: &'a Shot,
     shade: Shade,
 }
 
@@ -475,24 +476,24 @@ impl Task<Triangle> for Render<'_> {
     type Output = (Picture, Vec<Hit<f32>>, World);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, world, view, shade } = self;
+        let Self { kernels, world, shot, shade } = self;
         let scene = kernels.scene::<K>(world);
-        let hits = tracer::picture_hits(&scene, view);
-        (tracer::shade(&scene, view, &hits, shade), hits, scene.into_world())
+        let hits = tracer::picture_hits(&scene, shot);
+        (tracer::shade(&scene, shot, &hits, shade), hits, scene.into_world())
     }
 }
 
 struct Look<'a> {
     kernels: Kernels,
     world: World,
-    view: &'a View,
+    shot: &'a Shot,
 }
 
 impl Task<Triangle> for Look<'_> {
     type Output = Vec<Hit<f32>>;
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        tracer::picture_hits(&self.kernels.scene::<K>(self.world), self.view)
+        tracer::picture_hits(&self.kernels.scene::<K>(self.world), self.shot)
     }
 }
 
@@ -543,7 +544,11 @@ fn list() -> Result<String, Error> {
 }
 
 fn scene_help() -> String {
-    format!("SCENE is a scene file (*.toml), an OBJ file (*.obj) or a built-in scene: {}.", BuiltIn::NAMES.join(", "))
+    format!(
+        "SCENE is an OBJ file (*.obj), a scene file (*.toml) or a built-in scene: {}. A size may follow all but the last, \
+         such as room:small or terrain:1e6.",
+        BuiltIn::NAMES.join(", ")
+    )
 }
 
 /// The greatest number of pixels of a picture: 8192 × 8192.

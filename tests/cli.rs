@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use glam::Vec3;
 use raylanes::geom::{Hit, Ray};
 use raylanes::kernels::triangle::Cramer;
-use raylanes::tracer::{Mode, Scene, SceneSource, checksum, trace, write_rays};
+use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, checksum, trace, write_rays};
 
 /// A folder that is removed at the end of the test.
 struct Folder(PathBuf);
@@ -129,12 +129,12 @@ fn broken_ray_files_are_refused() {
 fn hit_files_hold_the_hits_of_ray_files_in_order() {
     let folder = Folder::new("hits");
     let source = SceneSource::parse("room:small").unwrap();
-    let (mesh, _) = source.load().unwrap();
-    let mut rays = source.view(&mesh, 40, 30).0.rays(40, 30);
+    let LoadedScene { world, view, .. } = source.load().unwrap();
+    let mut rays = view.camera(40, 30).rays(40, 30);
     rays.truncate(1003);
     rays[5].dir = Vec3::NAN;
     rays[6] = Ray::INACTIVE;
-    let expected = trace(&Scene::<Cramer<f32>>::from(mesh), &rays, false, Mode::Scalar);
+    let expected = trace(&Scene::<Cramer<f32>>::new(world), &rays, false, Mode::Scalar);
 
     let (ray_file, hit_file) = (folder.0.join("in.rays"), folder.0.join("out.hits"));
     write_rays(&ray_file, &rays).unwrap();

@@ -7,7 +7,7 @@ use glam::Vec3;
 use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
-use raylanes::tracer::{Mesh, Mode, Part, Scene, SceneSource, load_obj, thread_pool, trace};
+use raylanes::tracer::{Geometry, LoadedScene, Mesh, Mode, Part, Scene, SceneSource, thread_pool, trace};
 
 use random::Random;
 
@@ -125,8 +125,10 @@ impl Visitor<Triangle> for EveryKernel<'_> {
     }
 }
 
-fn check(source: &SceneSource, mesh: &Mesh) {
-    let mut rays = source.view(mesh, 64, 64).0.rays(64, 64);
+fn check(source: &SceneSource) {
+    let LoadedScene { world, view, .. } = source.load().unwrap();
+    let [Geometry::Mesh(mesh)] = world.geometries() else { panic!("{} is more than a mesh", source.name()) };
+    let mut rays = view.camera(64, 64).rays(64, 64);
     rays.extend(hard_rays(mesh, 8_000));
     // About 20 million tests by brute force, whatever the size of the mesh.
     let stride = (rays.len() * mesh.len() / 20_000_000).max(1);
@@ -136,8 +138,7 @@ fn check(source: &SceneSource, mesh: &Mesh) {
 #[test]
 fn built_in_scenes_have_identical_hits() {
     for name in ["room:small", "room", "terrain:1e3", "terrain:1e5", "sphere:small", "sphere"] {
-        let source = SceneSource::parse(name).unwrap();
-        check(&source, &source.load().unwrap().0);
+        check(&SceneSource::parse(name).unwrap());
     }
 }
 
@@ -149,19 +150,20 @@ fn real_scenes_have_identical_hits() {
             eprintln!("skipped: {file} is not beside this checkout");
             continue;
         }
-        check(&SceneSource::Obj(path.clone()), &load_obj(&path).unwrap().0);
+        check(&SceneSource::Obj(path));
     }
 }
 
 /// Triangles that tie in `t`: each is there several times, and the copies are in different leaves.
 #[test]
 fn the_lower_primitive_number_wins_ties() {
-    let mesh = SceneSource::parse("sphere:small").unwrap().load().unwrap().0;
+    let scene = SceneSource::parse("sphere:small").unwrap().load().unwrap();
+    let [Geometry::Mesh(mesh)] = scene.world.geometries() else { panic!("a sphere is a mesh") };
     let copies = 5;
     let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
     let many =
         Mesh::new(mesh.positions().to_vec(), triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap();
-    let rays = hard_rays(&mesh, 4_000);
+    let rays = hard_rays(mesh, 4_000);
     registry::triangles(&mut EveryKernel { name: "copies", mesh: &many, rays: &rays, stride: 1 });
     let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::from(many), &rays, false, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));

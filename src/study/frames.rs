@@ -8,7 +8,7 @@ use super::stats::{mad, median};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::kernels::triangle::MollerTrumbore;
-use crate::tracer::{Camera, Error, Light, Mode, Scene, SceneSource, checksum, shadow_rays, thread_pool, trace};
+use crate::tracer::{Error, LoadedScene, Mode, Scene, SceneSource, View, checksum, shadow_rays, thread_pool, trace};
 
 /// A picture's worth of rays.
 struct RaySet {
@@ -29,13 +29,12 @@ pub(crate) fn measure(
     progress: &Progress,
 ) -> Result<Vec<TracerRow>, Error> {
     progress.note(&format!("{}: building", source.name()));
-    let mesh = source.load()?.0;
-    let view = source.view(&mesh, size, size);
+    let LoadedScene { world, view, .. } = source.load()?;
     let start = Instant::now();
-    let scene = Scene::<MollerTrumbore<f32>>::from(mesh);
+    let scene = Scene::<MollerTrumbore<f32>>::new(world);
     let build_seconds = start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
-    for set in ray_sets(view, &scene, size) {
+    for set in ray_sets(&view, &scene, size) {
         progress.note(&format!("{}: {} rays", source.name(), set.name));
         rows.extend(time(&scene, &set, samples, thread_counts)?.into_iter().map(|job| TracerRow {
             scene: source.name(),
@@ -64,10 +63,10 @@ struct Job {
     hits: Vec<Hit<f32>>,
 }
 
-fn ray_sets<K: Kernel<Shape = Triangle>>((camera, light): (Camera, Light), scene: &Scene<K>, size: u32) -> [RaySet; 2] {
-    let rays = camera.rays(size, size);
+fn ray_sets<K: Kernel<Shape = Triangle>>(view: &View, scene: &Scene<K>, size: u32) -> [RaySet; 2] {
+    let rays = view.camera(size, size).rays(size, size);
     let hits = trace(scene, &rays, false, Mode::Packet);
-    let shadows = shadow_rays(scene, &rays, &hits, light);
+    let shadows = shadow_rays(scene, &rays, &hits, view.light);
     [
         RaySet { name: "primary", any_hit: false, rays },
         // Only where there is something to shade.

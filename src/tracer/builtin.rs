@@ -1,53 +1,52 @@
-//! Scenes made by code, in any size: they need no files and are the same, bit for bit, on every machine. Their
-//! generators therefore use whole numbers, `+ - * /` and square roots, but no sines or powers, which differ between
-//! platforms. Neighbouring triangles share their vertices, so the surfaces are watertight.
+//! Scenes that come with the crate: scene files like any other, so that they need no more code than a user's, and show how
+//! it is done.
 
-mod room;
-mod sphere;
-mod terrain;
+use std::path::Path;
 
-use glam::Vec3;
+use super::generator::{DEFAULT_SIZE, parse_size};
+use super::scenefile;
+use super::{Error, LoadedScene};
 
-use super::error::Error;
-use super::mesh::Mesh;
-
-/// A built-in scene of a chosen size: its mesh, and a camera and light that show it well.
+/// A built-in scene of a chosen size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    kind: Kind,
-    resolution: u32,
+    /// Which of [`SCENES`].
+    number: usize,
+    size: u32,
 }
 
-/// What shines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Light {
-    /// From a point, in all directions.
-    Point(Vec3),
-    /// From infinitely far; the vector points towards the light and may have any length.
-    Directional(Vec3),
+struct Scene {
+    name: &'static str,
+    text: &'static str,
+    /// What its size counts.
+    unit: Option<&'static str>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Room,
-    Terrain,
-    Sphere,
-}
-
-/// What may stand for a number of triangles.
-const SIZES: [(&str, u32); 3] = [("small", 10_000), ("medium", 100_000), ("large", 1_000_000)];
-const DEFAULT_SIZE: u32 = SIZES[1].1;
-const FEWEST: u32 = 1_000;
-const MOST: u32 = 10_000_000;
+const SCENES: [Scene; 5] = [
+    Scene { name: "room", text: include_str!("builtin/room.toml"), unit: Some("triangles") },
+    Scene { name: "terrain", text: include_str!("builtin/terrain.toml"), unit: Some("triangles") },
+    Scene { name: "sphere", text: include_str!("builtin/sphere.toml"), unit: Some("triangles") },
+    Scene { name: "forest", text: include_str!("builtin/forest.toml"), unit: Some("trees") },
+    Scene { name: "gallery", text: include_str!("builtin/gallery.toml"), unit: None },
+];
 
 impl BuiltIn {
-    /// The names, for help texts. A size may follow each; see [`BuiltIn::parse`].
-    pub const NAMES: [&str; 3] = ["room", "terrain", "sphere"];
+    /// The names, for help texts. A size may follow all but the last; see [`BuiltIn::parse`].
+    pub const NAMES: [&str; SCENES.len()] = {
+        let mut names = [""; SCENES.len()];
+        let mut number = 0;
+        while number < SCENES.len() {
+            names[number] = SCENES[number].name;
+            number += 1;
+        }
+        names
+    };
 
     /// Understands `NAME` and `NAME:SIZE`, or returns `None` if this is no name of a built-in scene. The size is
-    /// `small` (10,000 triangles), `medium` (100,000; this is the default), `large` (1,000,000) or a number from 1,000
-    /// to 10,000,000, also written `1e6` or `1_000_000`. A scene has as many triangles as asked for, or the next
-    /// number it can be made of.
+    /// `small` (10,000), `medium` (100,000; this is the default), `large` (1,000,000) or a number from 1,000 to
+    /// 10,000,000, also written `1e6` or `1_000_000`. It counts the trees of the forest, and the triangles of `room`,
+    /// `terrain` and `sphere`, which have as many as asked for, or the next number they can be made of. The gallery, of
+    /// quadrics, has no size.
     ///
     /// # Errors
     /// If the size is none of these.
@@ -56,213 +55,25 @@ impl BuiltIn {
             Some((name, size)) => (name, Some(size)),
             None => (argument, None),
         };
-        let kind = match name {
-            "room" => Kind::Room,
-            "terrain" => Kind::Terrain,
-            "sphere" => Kind::Sphere,
-            _ => return None,
+        let number = SCENES.iter().position(|scene| scene.name == name)?;
+        let size = match (size, SCENES[number].unit) {
+            (None, _) => Ok(DEFAULT_SIZE),
+            (Some(size), Some(unit)) => parse_size(size, unit),
+            (Some(_), None) => Err(format!("the {name} has no size")),
         };
-        let triangles = match size.map(parse_size) {
-            None => DEFAULT_SIZE,
-            Some(Some(triangles)) => triangles,
-            Some(None) => {
-                let names = SIZES.map(|(name, _)| name).join(", ");
-                return Some(Err(Error::Argument {
-                    argument: argument.into(),
-                    message: format!(
-                        "the size must be one of {names} or a number of triangles from {FEWEST} to {MOST}"
-                    ),
-                }));
-            }
-        };
-        Some(Ok(Self::with_triangles(kind, triangles)))
+        Some(
+            size.map(|size| Self { number, size })
+                .map_err(|message| Error::Argument { argument: argument.into(), message }),
+        )
     }
 
-    /// The least resolution that gives so many triangles.
-    fn with_triangles(kind: Kind, triangles: u32) -> Self {
-        let count = match kind {
-            Kind::Room => room::triangles,
-            Kind::Terrain => terrain::triangles,
-            Kind::Sphere => sphere::triangles,
-        };
-        // All counts grow with the square of the resolution, so this ends after at most some thousand steps.
-        let resolution = (1..).find(|&resolution| count(resolution) >= triangles).unwrap_or(u32::MAX);
-        Self { kind, resolution }
+    /// The scene file, in which generators and scatters without a size of their own take the size that was asked for.
+    pub fn text(&self) -> &'static str {
+        SCENES[self.number].text
     }
 
-    /// The triangles.
-    pub fn mesh(&self) -> Mesh {
-        match self.kind {
-            Kind::Room => room::mesh(self.resolution),
-            Kind::Terrain => terrain::mesh(self.resolution),
-            Kind::Sphere => sphere::mesh(self.resolution),
-        }
-    }
-
-    /// Where to look at it from, at what point, and the vertical field of view in degrees. Up is `+y`.
-    pub fn camera(&self) -> (Vec3, Vec3, f32) {
-        match self.kind {
-            Kind::Room => (Vec3::new(-4.6, 2.4, 7.2), Vec3::new(0.4, 1.4, -1.0), 60.0),
-            Kind::Terrain => (Vec3::new(22.0, 26.0, 47.0), Vec3::new(0.0, 5.0, 0.0), 45.0),
-            Kind::Sphere => (Vec3::new(1.2, 0.9, 3.0), Vec3::ZERO, 45.0),
-        }
-    }
-
-    /// Its light.
-    pub fn light(&self) -> Light {
-        match self.kind {
-            Kind::Room => Light::Point(Vec3::new(0.5, 4.6, 1.0)),
-            Kind::Terrain => Light::Directional(Vec3::new(-0.6, 0.5, 0.3)),
-            Kind::Sphere => Light::Directional(Vec3::new(1.0, 2.0, 1.5)),
-        }
-    }
-}
-
-fn parse_size(size: &str) -> Option<u32> {
-    if let Some(&(_, triangles)) = SIZES.iter().find(|(name, _)| *name == size) {
-        return Some(triangles);
-    }
-    // As a floating-point number, since that is what 1e6 is; it holds all whole numbers in the range.
-    let number: f64 = size.replace('_', "").parse().ok()?;
-    let in_range = (f64::from(FEWEST)..=f64::from(MOST)).contains(&number);
-    (in_range && number.fract() == 0.0).then_some(number as u32)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::{HashMap, HashSet};
-
-    use super::*;
-
-    fn parse(argument: &str) -> BuiltIn {
-        BuiltIn::parse(argument).expect("a built-in name").expect("a size")
-    }
-
-    #[test]
-    fn names_and_sizes_are_understood() {
-        for name in BuiltIn::NAMES {
-            let million = parse(&format!("{name}:large"));
-            for size in ["1000000", "1e6", "1_000_000", "1E6", "1000000.0"] {
-                assert_eq!(parse(&format!("{name}:{size}")), million, "{name}:{size}");
-            }
-            assert_eq!(parse(name), parse(&format!("{name}:medium")));
-            assert_ne!(parse(name), million);
-        }
-        for other in ["", "rooms", "Room", "room.obj", ":1e6", "./room", "room /"] {
-            assert!(BuiltIn::parse(other).is_none(), "{other}");
-        }
-        for size in
-            ["", "huge", "0", "-1e6", "999", "1e7x", "10000001", "1000.5", "nan", "inf", "1e400", "a\nb", "1e6:"]
-        {
-            let message = BuiltIn::parse(&format!("room:{size}")).unwrap().unwrap_err().to_string();
-            assert!(message.contains("small, medium, large") && message.contains("10000000"), "{message}");
-            assert!(!message.contains('\n'), "{message}");
-        }
-    }
-
-    #[test]
-    fn a_scene_has_the_triangles_asked_for_or_slightly_more() {
-        for name in BuiltIn::NAMES {
-            for triangles in [1_000u32, 2_048, 10_000, 123_457, 1_000_000] {
-                let scene = parse(&format!("{name}:{triangles}"));
-                let mesh = scene.mesh();
-                let excess = mesh.len() as f64 / f64::from(triangles) - 1.0;
-                // One step more of resolution n adds about two parts in n, or four for the boxes of the room.
-                let allowed = 18.0 / f64::from(triangles).sqrt();
-                assert!((0.0..allowed).contains(&excess), "{name}:{triangles} has {} triangles", mesh.len());
-                assert_eq!(mesh.degenerate_triangles(), 0, "{name}:{triangles}");
-            }
-        }
-        assert_eq!(parse("terrain:1e6").mesh().len(), 1_002_528);
-        assert_eq!(parse("sphere:2048").mesh().len(), 2_048);
-        assert_eq!(parse("sphere:1e7").resolution, 1119);
-    }
-
-    /// FNV-1a over all bits. Another sum means another scene, and that old measurements can no longer be compared.
-    #[test]
-    fn scenes_are_the_same_on_every_machine() {
-        let sums = BuiltIn::NAMES.map(|name| {
-            let mesh = parse(&format!("{name}:small")).mesh();
-            let positions = mesh.positions().iter().flat_map(|position| position.to_array().map(f32::to_bits));
-            let indices = mesh.triangles().iter().copied().flatten();
-            positions
-                .chain(indices)
-                .fold(0xcbf2_9ce4_8422_2325u64, |sum, word| (sum ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3))
-        });
-        assert_eq!(sums.map(|sum| format!("{sum:016x}")), ["add189b8927fbd73", "dce403645e818f45", "04fdabc1199cc8d1"]);
-    }
-
-    /// How often each directed edge occurs.
-    fn edges(mesh: &Mesh) -> HashMap<(u32, u32), usize> {
-        let mut edges = HashMap::new();
-        for &[a, b, c] in mesh.triangles() {
-            for edge in [(a, b), (b, c), (c, a)] {
-                *edges.entry(edge).or_default() += 1;
-            }
-        }
-        edges
-    }
-
-    /// Positive where the triangles of a closed mesh face outwards.
-    fn volume(mesh: &Mesh) -> f64 {
-        let six_fold: f64 = mesh
-            .iter()
-            .map(|triangle| {
-                let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
-                a.dot(b.cross(c))
-            })
-            .sum();
-        six_fold / 6.0
-    }
-
-    #[test]
-    fn room_and_sphere_are_closed_and_consistently_wound() {
-        for scene in ["room:1e3", "room", "sphere:1e3", "sphere"] {
-            let mesh = parse(scene).mesh();
-            let edges = edges(&mesh);
-            for (&(a, b), &count) in &edges {
-                assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "{scene}: edge from {a} to {b}");
-            }
-            // As many vertices as positions: nothing is shared by position only.
-            let distinct: HashSet<_> =
-                mesh.positions().iter().map(|position| position.to_array().map(f32::to_bits)).collect();
-            assert_eq!(distinct.len(), mesh.positions().len(), "{scene}");
-        }
-    }
-
-    #[test]
-    fn the_sphere_faces_outwards() {
-        let mesh = parse("sphere:large").mesh();
-        assert!((volume(&mesh) / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4);
-        for triangle in mesh.iter() {
-            assert!(triangle.normal().dot(triangle.v0) > 0.99, "{triangle:?}");
-        }
-    }
-
-    #[test]
-    fn the_room_faces_inwards_and_its_boxes_outwards() {
-        let mesh = parse("room:small").mesh();
-        let content = |cuboid: &room::Cuboid| 8.0 * f64::from(cuboid.half.x * cuboid.half.y * cuboid.half.z);
-        let boxes: f64 = room::BOXES.iter().map(|(cuboid, _)| content(cuboid)).sum();
-        let expected = boxes - content(&room::SHELL);
-        assert!((volume(&mesh) / expected - 1.0).abs() < 1e-5, "{} {expected}", volume(&mesh));
-        assert!(mesh.parts().len() > 10);
-        assert_eq!(mesh.bounds().extent(), room::SHELL.half * 2.0);
-    }
-
-    #[test]
-    fn the_terrain_faces_up_and_stays_in_bounds() {
-        let mesh = parse("terrain").mesh();
-        let bounds = mesh.bounds();
-        assert_eq!((bounds.lo.x, bounds.hi.x, bounds.lo.z, bounds.hi.z), (-50.0, 50.0, -50.0, 50.0));
-        assert!((5.0..30.0).contains(&bounds.extent().y), "{bounds:?}");
-        for triangle in mesh.iter() {
-            assert!(triangle.normal().y > 0.1, "{triangle:?}");
-        }
-        // A sheet: inner edges have a neighbour, and only the rim's have none.
-        let edges = edges(&mesh);
-        assert!(edges.values().all(|&count| count == 1));
-        let rim = edges.keys().filter(|&&(a, b)| !edges.contains_key(&(b, a))).count();
-        assert_eq!(rim, 4 * parse("terrain").resolution as usize);
+    pub(super) fn load(&self) -> Result<LoadedScene, Error> {
+        let Scene { name, text, .. } = SCENES[self.number];
+        scenefile::from_text(Path::new(&format!("{name}.toml")), text, Some(self.size))
     }
 }

@@ -1,8 +1,8 @@
 //! A pinhole camera, and the order in which its rays are traced.
 
-use glam::Vec3;
+use glam::{Affine3, Vec3};
 
-use crate::geom::{Aabb, Ray};
+use crate::geom::Ray;
 
 /// A pinhole camera. Rays start at the eye, `0 <= t`, and are not normalised: at `t = 1` they cross the image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,12 +28,16 @@ impl Camera {
         Self { eye, forward, right: right * (half_height * width as f32 / height as f32), up: up * half_height }
     }
 
-    /// A camera outside a box that has all of it in view, from the front, the right and above.
-    pub fn around(bounds: &Aabb, vertical_fov: f32, width: u32, height: u32) -> Self {
-        let radius = bounds.extent().length() * 0.5;
-        let distance = radius / (vertical_fov.to_radians() * 0.5).sin();
-        let eye = bounds.center() + Vec3::new(0.5, 0.4, 1.0).normalize() * distance;
-        Self::new(eye, bounds.center(), vertical_fov, width, height)
+    /// This camera put elsewhere: the eye as a point, its three directions as vectors. A transform that is no rigid motion
+    /// distorts the picture accordingly.
+    #[must_use]
+    pub fn transformed(&self, transform: &Affine3) -> Self {
+        Self {
+            eye: transform.transform_point3(self.eye),
+            forward: transform.transform_vector3(self.forward),
+            right: transform.transform_vector3(self.right),
+            up: transform.transform_vector3(self.up),
+        }
     }
 
     /// One ray through the middle of each pixel of a `width` × `height` picture, in [`block_order`].

@@ -29,7 +29,7 @@ pub enum Shade {
 
 /// How a picture is taken.
 #[derive(Clone, Copy, Debug)]
-pub struct View {
+pub struct Shot {
     /// Where from.
     pub camera: Camera,
     /// What shines.
@@ -63,8 +63,8 @@ pub struct Picture {
 
 impl Picture {
     /// From colours in the order of [`Camera::rays`].
-    fn from_rays(view: &View, colors: &[Vec3]) -> Self {
-        let View { width, height, .. } = *view;
+    fn from_rays(shot: &Shot, colors: &[Vec3]) -> Self {
+        let Shot { width, height, .. } = *shot;
         let mut pixels = vec![Vec3::ZERO; colors.len()];
         for (pixel, color) in block_order(width, height).into_iter().zip(colors) {
             pixels[pixel as usize] = *color;
@@ -87,16 +87,16 @@ impl Picture {
 }
 
 /// The hits of a picture's rays, in the order of [`Camera::rays`].
-pub fn picture_hits<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View) -> Vec<Hit<f32>> {
-    trace(scene, &view.camera.rays(view.width, view.height), false, view.mode)
+pub fn picture_hits<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot) -> Vec<Hit<f32>> {
+    trace(scene, &shot.camera.rays(shot.width, shot.height), false, shot.mode)
 }
 
 /// Shades hits that [`picture_hits`] found.
-pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, hits: &[Hit<f32>], shade: Shade) -> Picture {
-    let rays = view.camera.rays(view.width, view.height);
-    let seen = Seen { scene, rays: &rays, hits, mode: view.mode };
+pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot, hits: &[Hit<f32>], shade: Shade) -> Picture {
+    let rays = shot.camera.rays(shot.width, shot.height);
+    let seen = Seen { scene, rays: &rays, hits, mode: shot.mode };
     let colors = match shade {
-        Shade::Lambert => seen.lambert(view.light),
+        Shade::Lambert => seen.lambert(shot.light),
         Shade::Normals => seen.each(|_, _, surface| surface.normal * 0.5 + 0.5),
         Shade::Depth => seen.depth(),
         Shade::Primitives => seen.each(|ray, hit, surface| {
@@ -105,7 +105,7 @@ pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, hits: &
         Shade::Instances => seen.each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface)),
         Shade::AmbientOcclusion => seen.ambient_occlusion(),
     };
-    Picture::from_rays(view, &colors)
+    Picture::from_rays(shot, &colors)
 }
 
 /// What a picture's rays have hit.
@@ -232,13 +232,13 @@ impl Differences {
 /// Marks every pixel where two kernels see something else, on a picture that is otherwise dark and grey: red where only the
 /// first hits, blue where only the second does, yellow where they hit different primitives. A differing `t` is counted, but
 /// not marked: it differs nearly everywhere, by an ulp or two.
-pub fn compare(view: &View, picture: &Picture, first: &[Hit<f32>], second: &[Hit<f32>]) -> (Picture, Differences) {
+pub fn compare(shot: &Shot, picture: &Picture, first: &[Hit<f32>], second: &[Hit<f32>]) -> (Picture, Differences) {
     let mut differences = Differences::default();
     let mut marked = picture.clone();
     for pixel in &mut marked.pixels {
         *pixel = Vec3::splat(0.25 * pixel.element_sum() / 3.0);
     }
-    for ((pixel, a), b) in block_order(view.width, view.height).into_iter().zip(first).zip(second) {
+    for ((pixel, a), b) in block_order(shot.width, shot.height).into_iter().zip(first).zip(second) {
         let (count, mark) = match (a.mask, b.mask) {
             (true, false) => (&mut differences.only_first, Some(Vec3::X)),
             (false, true) => (&mut differences.only_second, Some(Vec3::new(0.1, 0.4, 1.0))),
@@ -310,12 +310,12 @@ mod tests {
     #[test]
     fn differences_are_counted_and_marked() {
         let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0, 3, 2);
-        let view = View { camera, light: Light::Point(Vec3::ONE), mode: Mode::Scalar, width: 3, height: 2 };
+        let shot = Shot { camera, light: Light::Point(Vec3::ONE), mode: Mode::Scalar, width: 3, height: 2 };
         let white = Picture { width: 3, height: 2, pixels: vec![Vec3::ONE; 6] };
         let one = hit(0, 0, 1.0);
         let first = [one, one, Hit::MISS, one, one, Hit::MISS];
         let second = [one, Hit::MISS, one, hit(0, 1, 1.0), hit(0, 0, 2.0), Hit::MISS];
-        let (marked, differences) = compare(&view, &white, &first, &second);
+        let (marked, differences) = compare(&shot, &white, &first, &second);
         assert_eq!(differences, Differences { only_first: 1, only_second: 1, other_primitive: 1, other_t: 1 });
         assert_eq!(differences.marked(), 3);
         let grey = marked.pixels.iter().filter(|pixel| **pixel == Vec3::splat(0.25)).count();

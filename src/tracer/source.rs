@@ -2,14 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
-
-use super::{BuiltIn, Camera, Error, Light, Mesh, ObjReport, load_obj};
+use super::{BuiltIn, Error, ObjReport, View, World, load_obj, load_scene};
 
 /// A scene that has been named but not yet loaded.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
-    /// Made by code.
+    /// In this crate.
     BuiltIn {
         /// As it was named.
         name: String,
@@ -18,24 +16,44 @@ pub enum SceneSource {
     },
     /// An OBJ file.
     Obj(PathBuf),
+    /// A scene file.
+    Toml(PathBuf),
+}
+
+/// All there is to know of a scene.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// What rays hit.
+    pub world: World,
+    /// The scene's own camera and light, or [`View::around`] it.
+    pub view: View,
+    /// One line each: whatever in the files did not become part of the world, or cannot be hit.
+    pub remarks: Vec<String>,
 }
 
 impl SceneSource {
-    /// Understands a built-in name, with or without a size, and the path of an OBJ file. A file is not yet looked at.
+    /// Understands a built-in name, with or without a size, and the path of an OBJ file or a scene file. A file is not yet
+    /// looked at.
     ///
     /// # Errors
-    /// If the name is neither, or the size is not one that the built-in scene comes in.
+    /// If the name is none of these, or the size is not one that the built-in scene comes in.
     pub fn parse(argument: &str) -> Result<Self, Error> {
         if let Some(scene) = BuiltIn::parse(argument) {
             return Ok(Self::BuiltIn { name: argument.into(), scene: scene? });
         }
         let path = Path::new(argument);
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
+        if has_extension(path, "obj") {
             return Ok(Self::Obj(path.into()));
+        }
+        if has_extension(path, "toml") {
+            return Ok(Self::Toml(path.into()));
         }
         Err(Error::Argument {
             argument: argument.into(),
-            message: format!("not a scene: expected an OBJ file (*.obj) or one of {}", BuiltIn::NAMES.join(", ")),
+            message: format!(
+                "not a scene: expected an OBJ file (*.obj), a scene file (*.toml) or one of {}",
+                BuiltIn::NAMES.join(", ")
+            ),
         })
     }
 
@@ -43,37 +61,35 @@ impl SceneSource {
     pub fn name(&self) -> String {
         match self {
             Self::BuiltIn { name, .. } => name.clone(),
-            Self::Obj(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Self::Obj(path) | Self::Toml(path) => {
+                path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+            }
         }
     }
 
-    /// Makes or reads the mesh, with a remark for whatever in the file did not become part of it or cannot be hit.
+    /// Makes the scene, or reads its files.
     ///
     /// # Errors
-    /// If the file cannot be read or makes no sense.
-    pub fn load(&self) -> Result<(Mesh, Vec<String>), Error> {
+    /// If a file cannot be read or makes no sense.
+    pub fn load(&self) -> Result<LoadedScene, Error> {
         match self {
-            Self::BuiltIn { scene, .. } => Ok((scene.mesh(), Vec::new())),
-            Self::Obj(path) => load_obj(path).map(|(mesh, report)| (mesh, remarks(report))),
-        }
-    }
-
-    /// The scene's own camera and light; for a file, a camera outside that has all of it in view, and a light from high
-    /// above behind it.
-    pub fn view(&self, mesh: &Mesh, width: u32, height: u32) -> (Camera, Light) {
-        match self {
-            Self::BuiltIn { scene, .. } => {
-                let (eye, look_at, vertical_fov) = scene.camera();
-                (Camera::new(eye, look_at, vertical_fov, width, height), scene.light())
+            Self::BuiltIn { scene, .. } => scene.load(),
+            Self::Obj(path) => {
+                let (mesh, report) = load_obj(path)?;
+                let view = View::around(&mesh.bounds());
+                Ok(LoadedScene { world: mesh.into(), view, remarks: remarks(report) })
             }
-            Self::Obj(_) => {
-                (Camera::around(&mesh.bounds(), 40.0, width, height), Light::Directional(Vec3::new(0.3, 1.0, 0.25)))
-            }
+            Self::Toml(path) => load_scene(path),
         }
     }
 }
 
-fn remarks(report: ObjReport) -> Vec<String> {
+/// Whether a file's name ends like this, in letters of any case.
+pub(super) fn has_extension(path: &Path, expected: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(expected))
+}
+
+pub(super) fn remarks(report: ObjReport) -> Vec<String> {
     let mut remarks = Vec::new();
     if report.degenerate > 0 {
         remarks.push(format!("triangles of zero area, which no ray hits: {}", report.degenerate));

@@ -124,7 +124,7 @@ impl World {
                 return Err(WorldError::TooMany { what, count });
             }
         }
-        if let Some(bad) = geometries.iter().position(|geometry| !is_good(geometry)) {
+        if let Some(bad) = geometries.iter().position(|geometry| !can_be_hit(geometry)) {
             return Err(WorldError::BadQuadric(bad));
         }
         for (number, instance) in instances.iter().enumerate() {
@@ -180,7 +180,8 @@ impl From<Mesh> for World {
     }
 }
 
-fn is_good(geometry: &Geometry) -> bool {
+/// Whether a geometry is anything that a ray could hit. A mesh always is.
+pub(super) fn can_be_hit(geometry: &Geometry) -> bool {
     let Geometry::Quadric(quadric) = geometry else { return true };
     let Aabb { lo, hi } = quadric.bounds();
     let varies = (quadric.squares, quadric.products, quadric.linear) != (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);

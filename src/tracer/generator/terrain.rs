@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::hash;
 use crate::tracer::mesh::{Mesh, Part};
 
 const EXTENT: f64 = 100.0;
@@ -59,11 +60,7 @@ fn smooth(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// A number from -½ to ½ for each corner of each octave, by the finaliser of `MurmurHash3` (Austin Appleby).
+/// A number from -½ to ½ for each corner of each octave.
 fn random(x: u32, z: u32, octave: u32) -> f64 {
-    let mut hash = x.wrapping_mul(0x9e37_79b1) ^ z.wrapping_mul(0x85eb_ca77) ^ octave.wrapping_mul(0xc2b2_ae3d);
-    hash = (hash ^ (hash >> 16)).wrapping_mul(0x85eb_ca6b);
-    hash = (hash ^ (hash >> 13)).wrapping_mul(0xc2b2_ae35);
-    hash ^= hash >> 16;
-    f64::from(hash) / f64::from(u32::MAX) - 0.5
+    f64::from(hash(x, z, octave)) / f64::from(u32::MAX) - 0.5
 }
