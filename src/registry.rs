@@ -54,9 +54,13 @@ pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
 }
 
 /// An instance of each kernel.
-pub fn instances(visitor: &mut (impl Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>)) {
+pub fn instances<V>(visitor: &mut V)
+where
+    V: Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>> + Visitor<Placed<Quadric>>,
+{
     Placed::<Aabb>::visit_kernels(visitor);
     Placed::<Triangle>::visit_kernels(visitor);
+    Placed::<Quadric>::visit_kernels(visitor);
 }
 
 /// A shape that there are kernels for.
@@ -98,10 +102,12 @@ impl<S: Registered> Registered for Placed<S> {
 /// Everything.
 pub fn all<V>(visitor: &mut V)
 where
-    V: Visitor<Aabb> + Visitor<Triangle> + Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>,
+    V: Visitor<Aabb> + Visitor<Triangle> + Visitor<Quadric>,
+    V: Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>> + Visitor<Placed<Quadric>>,
 {
     boxes(visitor);
     triangles(visitor);
+    quadrics(visitor);
     instances(visitor);
 }
 
