@@ -10,7 +10,7 @@ use crate::geom::{Aabb, Placed, Quadric, Triangle};
 use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
 use crate::kernels::instance::Instance;
-use crate::kernels::quadric::Naive;
+use crate::kernels::quadric::{Double, Mixed, Naive, Stable};
 #[cfg(fused)]
 use crate::kernels::triangle::WoopDop;
 use crate::kernels::triangle::{
@@ -51,6 +51,9 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
 /// The tests for surfaces of second degree; every one of them can drive the tracer.
 pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
     visitor.visit::<Naive<f32>>();
+    visitor.visit::<Stable<f32>>();
+    visitor.visit::<Mixed<f32>>();
+    visitor.visit::<Double<f32>>();
 }
 
 /// An instance of each kernel.

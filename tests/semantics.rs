@@ -7,9 +7,9 @@ mod aim;
 use glam::Vec3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use raylanes::geom::{Hit, Ray, Triangle};
+use raylanes::geom::{Hit, Placed, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
-use raylanes::registry::{self, Visitor};
+use raylanes::registry::{self, Registered, Visitor};
 
 use aim::Aimed;
 
@@ -69,6 +69,8 @@ impl<S: Aimed> Visitor<S> for Nonsense {
 fn what_makes_no_sense_misses() {
     let mut nonsense = Nonsense::default();
     registry::all(&mut nonsense);
+    Quadric::visit_kernels(&mut nonsense);
+    Placed::<Quadric>::visit_kernels(&mut nonsense);
     assert!(nonsense.hits > 0);
 }
 
@@ -83,7 +85,6 @@ fn ray(origin: Vec3, dir: Vec3) -> Ray<f32> {
 mod instances {
     use super::*;
     use glam::{Affine3, Mat3, Quat};
-    use raylanes::geom::Placed;
     use raylanes::kernels::instance::Instance;
     use raylanes::kernels::triangle::MollerTrumbore;
 
