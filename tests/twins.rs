@@ -14,7 +14,7 @@ use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
 use raylanes::geom::{Aabb, Hit, Mask8, Placed, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
-use raylanes::registry::{self, Registered, Visitor};
+use raylanes::registry::{self, Visitor};
 use wide::f32x8;
 
 use aim::{Aimed, Case};
@@ -29,8 +29,6 @@ struct Twins(Vec<fn() -> Outcome>);
 fn twins_have_identical_hits() {
     let mut twins = Twins::default();
     registry::all(&mut twins);
-    Quadric::visit_kernels(&mut twins);
-    Placed::<Quadric>::visit_kernels(&mut twins);
     let Twins(jobs) = twins;
     assert!(!jobs.is_empty(), "the registry is empty");
     // The cases of each shape first, or every thread would wait for the first shape's.

@@ -10,7 +10,7 @@ use crate::geom::lanes::{
 };
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
-use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
+use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Quadrics for the roots in `f64`: the coefficients and the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl Kernel for Double<f32> {
         idea: "moved origin, q/a and c/q, and the clip test, all in f64; f32 in and out",
         source: "Goldberg 1991",
         operations: Operations { mul: 44, add: 40, div: 3 },
-        claims: &[],
+        claims: &[Claim::RightDecision, Claim::NoGrossError],
     };
 
     fn prepare(shape: &Quadric) -> Self {

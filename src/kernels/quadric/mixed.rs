@@ -7,7 +7,7 @@ use super::{Approach, Form, Span, roots, roots8};
 use crate::geom::lanes::{Lanes, dot_f64x8, double8, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
-use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
+use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Quadrics whose polynomial is evaluated in `f64` and solved in `f32`: the coefficients and the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ impl Kernel for Mixed<f32> {
         idea: "b and c in f64, where they cancel; discriminant and roots in f32",
         source: "Goldberg 1991",
         operations: Operations { mul: 44, add: 40, div: 3 },
-        claims: &[],
+        claims: &[Claim::NoGrossError],
     };
 
     fn prepare(shape: &Quadric) -> Self {

@@ -118,7 +118,8 @@ impl Subject for Quadric {
             about: "Spheres that are moved not by a transform but by their coefficients, ever farther from the origin of their \
                     coordinates: the constant swallows the radius.",
             axis: "distance of the sphere from its origin of coordinates / radius",
-            steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
+            // From 1e5 on an ulp of the centre's coordinates is a hundredth of the sphere.
+            steps: &[1.0, 3.0, 1e1, 3e1, 1e2, 3e2, 1e3, 3e3, 1e4],
             mesh: false,
             sample: |offset, rng| {
                 let (shape, center, radius) = moved_sphere(offset, rng);
