@@ -12,7 +12,7 @@ use crate::geom::{Aabb, Placed, Quadric, Triangle};
 use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
 use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
-use crate::kernels::quadric::Naive;
+use crate::kernels::quadric::{Double, Mixed, Naive, Stable};
 #[cfg(fused)]
 use crate::kernels::triangle::WoopDop;
 use crate::kernels::triangle::{
@@ -53,12 +53,19 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
 /// The tests for surfaces of second degree; every one of them can drive the tracer.
 pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
     visitor.visit::<Naive<f32>>();
+    visitor.visit::<Stable<f32>>();
+    visitor.visit::<Mixed<f32>>();
+    visitor.visit::<Double<f32>>();
 }
 
 /// An instance of each kernel.
-pub fn instances(visitor: &mut (impl Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>)) {
+pub fn instances<V>(visitor: &mut V)
+where
+    V: Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>> + Visitor<Placed<Quadric>>,
+{
     Placed::<Aabb>::visit_kernels(visitor);
     Placed::<Triangle>::visit_kernels(visitor);
+    Placed::<Quadric>::visit_kernels(visitor);
 }
 
 /// A shape that there are kernels for.
@@ -124,10 +131,12 @@ where
 /// Everything.
 pub fn all<V>(visitor: &mut V)
 where
-    V: Visitor<Aabb> + Visitor<Triangle> + Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>>,
+    V: Visitor<Aabb> + Visitor<Triangle> + Visitor<Quadric>,
+    V: Visitor<Placed<Aabb>> + Visitor<Placed<Triangle>> + Visitor<Placed<Quadric>>,
 {
     boxes(visitor);
     triangles(visitor);
+    quadrics(visitor);
     instances(visitor);
 }
 

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use raylanes::geom::{Aabb, Placed, Triangle};
+use raylanes::geom::{Aabb, Placed, Quadric, Triangle};
 use raylanes::study::accuracy::Kernels;
 use raylanes::study::workload::{Subject, Workload};
 use raylanes::tracer::thread_pool;
@@ -52,8 +52,10 @@ fn measured(threads: usize, seed: u64) -> Hashes {
         let mut hashes = Hashes::new();
         measure::<Triangle>(seed, &mut hashes);
         measure::<Aabb>(seed, &mut hashes);
+        measure::<Quadric>(seed, &mut hashes);
         measure::<Placed<Triangle>>(seed, &mut hashes);
         measure::<Placed<Aabb>>(seed, &mut hashes);
+        measure::<Placed<Quadric>>(seed, &mut hashes);
         hashes
     })
 }

@@ -7,7 +7,7 @@ mod aim;
 use glam::Vec3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use raylanes::geom::{Hit, Ray, Triangle};
+use raylanes::geom::{Hit, Placed, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 
@@ -83,7 +83,6 @@ fn ray(origin: Vec3, dir: Vec3) -> Ray<f32> {
 mod instances {
     use super::*;
     use glam::{Affine3, Mat3, Quat};
-    use raylanes::geom::Placed;
     use raylanes::kernels::instance::Instance;
     use raylanes::kernels::triangle::MollerTrumbore;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use raylanes::geom::{Aabb, Shape, Triangle};
+use raylanes::geom::{Aabb, Quadric, Shape, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
 use raylanes::study::accuracy::Kernels;
@@ -29,6 +29,7 @@ fn extent_of(id: &str) -> [usize; 2] {
     match id.split('/').next().unwrap() {
         "triangle" => of::<Triangle>(),
         "aabb" => of::<Aabb>(),
+        "quadric" => of::<Quadric>(),
         "instance" => [0; 2],
         other => panic!("which regimes does the family {other} have?"),
     }
@@ -121,4 +122,9 @@ fn triangles_keep_what_they_claim() {
 #[test]
 fn boxes_keep_what_they_claim() {
     hold_to_claims::<Aabb>(|_| true);
+}
+
+#[test]
+fn quadrics_keep_what_they_claim() {
+    hold_to_claims::<Quadric>(|_| true);
 }

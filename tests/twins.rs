@@ -12,7 +12,7 @@ use std::thread;
 
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
-use raylanes::geom::{Aabb, Hit, Mask8, Placed, Ray, Triangle};
+use raylanes::geom::{Aabb, Hit, Mask8, Placed, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use wide::f32x8;
@@ -32,7 +32,14 @@ fn twins_have_identical_hits() {
     let Twins(jobs) = twins;
     assert!(!jobs.is_empty(), "the registry is empty");
     // The cases of each shape first, or every thread would wait for the first shape's.
-    let fills = [fill::<Aabb>, fill::<Triangle>, fill::<Placed<Aabb>>, fill::<Placed<Triangle>>];
+    let fills = [
+        fill::<Aabb>,
+        fill::<Triangle>,
+        fill::<Quadric>,
+        fill::<Placed<Aabb>>,
+        fill::<Placed<Triangle>>,
+        fill::<Placed<Quadric>>,
+    ];
     in_parallel(&fills);
 
     let mut failures = Vec::new();
@@ -86,7 +93,7 @@ macro_rules! pooled {
         }
     )*};
 }
-pooled!(Aabb, Triangle, Placed<Aabb>, Placed<Triangle>);
+pooled!(Aabb, Triangle, Quadric, Placed<Aabb>, Placed<Triangle>, Placed<Quadric>);
 
 /// The source of the cases, and how many of them to take.
 fn runner() -> (TestRunner, u32) {

@@ -11,7 +11,7 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 use glam::Vec3;
-use wide::{f32x8, f64x8, u32x8};
+use wide::{f32x4, f32x8, f64x2, f64x8, u32x8};
 
 mod sealed {
     pub trait Sealed {}
@@ -248,12 +248,37 @@ pub fn accepts8(t_min: f32x8, t: f32x8, t_max: f32x8) -> Mask8 {
     ge8(t, t_min) & le8(t, t_max) & lt8(t.abs(), f32x8::splat(f32::INFINITY))
 }
 
+/// The square root, correctly rounded; NaN below -0.
+#[inline(always)]
+pub fn sqrt(a: f32) -> f32 {
+    // `f32::sqrt` is not in core; of these four lanes one is used.
+    f32x4::splat(a).sqrt().to_array()[0]
+}
+
+/// [`sqrt`] in eight lanes. A NaN may differ in sign and payload.
+#[inline(always)]
+pub fn sqrt8(a: f32x8) -> f32x8 {
+    a.sqrt()
+}
+
+/// The greatest power of two that is at most `|a|`: 0 where `a` is zero or subnormal, +∞ where it is not finite.
+#[inline(always)]
+pub fn power_of_two(a: f32) -> f32 {
+    f32::from_bits(a.to_bits() & f32::INFINITY.to_bits())
+}
+
+/// [`power_of_two`] in eight lanes.
+#[inline(always)]
+pub fn power_of_two8(a: f32x8) -> f32x8 {
+    f32x8::from_bits(f32x8::to_bits(a) & u32x8::splat(f32::INFINITY.to_bits()))
+}
+
 /// `a·b + c`, rounded once.
 #[cfg(fused)]
 #[inline(always)]
 pub fn mul_add(a: f32, b: f32, c: f32) -> f32 {
     // `f32::mul_add` is not in core; of these four lanes the compiler keeps one.
-    let [a, b, c] = [a, b, c].map(wide::f32x4::splat);
+    let [a, b, c] = [a, b, c].map(f32x4::splat);
     a.mul_add(b, c).to_array()[0]
 }
 
@@ -276,6 +301,33 @@ pub fn to_f32x8(a: f64x8) -> f32x8 {
     f32x8::new(a.to_array().map(|a| a as f32))
 }
 
+/// [`sqrt`] in `f64`.
+#[inline(always)]
+pub fn sqrt_f64(a: f64) -> f64 {
+    f64x2::splat(a).sqrt().to_array()[0]
+}
+
+/// [`sqrt_f64`] in eight lanes. A NaN may differ in sign and payload.
+#[inline(always)]
+pub fn sqrt_f64x8(a: f64x8) -> f64x8 {
+    a.sqrt()
+}
+
+/// Eight vectors in `f64`, spelled operation for operation like [`glam::DVec3`].
+pub type DVec3x8 = [f64x8; 3];
+
+/// [`Vec3::as_dvec3`] in eight lanes.
+#[inline(always)]
+pub fn double8(v: Vec3x8) -> DVec3x8 {
+    [to_f64x8(v.x), to_f64x8(v.y), to_f64x8(v.z)]
+}
+
+/// `x·x' + y·y' + z·z'` in `f64`, added from the left.
+#[inline(always)]
+pub fn dot_f64x8(a: DVec3x8, b: DVec3x8) -> f64x8 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// Eight outcomes of comparing `f64`; [`Mask64::narrow`] makes a [`Mask8`] of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Mask64(f64x8);
@@ -287,6 +339,28 @@ impl Mask64 {
         // Each lane is all ones or all zeros, and so is either half of it.
         Mask8(f32x8::new(self.0.to_array().map(|lane| f32::from_bits(lane.to_bits() as u32))))
     }
+
+    /// `if lane { if_set } else { if_clear }`, lane by lane.
+    #[inline(always)]
+    pub fn select(self, if_set: f64x8, if_clear: f64x8) -> f64x8 {
+        self.0.select(if_set, if_clear)
+    }
+}
+
+impl BitOr for Mask64 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for Mask64 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
 }
 
 impl BitAnd for Mask64 {
@@ -295,6 +369,18 @@ impl BitAnd for Mask64 {
     fn bitand(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
+}
+
+/// [`sign_bit`] of eight `f64`.
+#[inline(always)]
+pub fn sign_bit_f64x8(a: f64x8) -> Mask64 {
+    Mask64(a.is_sign_negative())
+}
+
+/// `a < b` in `f64`; a NaN on either side clears the lane.
+#[inline(always)]
+pub fn lt64(a: f64x8, b: f64x8) -> Mask64 {
+    Mask64(a.simd_lt(b))
 }
 
 /// `a <= b` in `f64`; a NaN on either side clears the lane.

@@ -120,6 +120,9 @@ pub struct Operations {
 /// between two faces), and of which rounding the vertices, by an ulp of their distance from the ray's origin, turns none
 /// over: a triangle seen nearly edge-on, or a sliver, may be rejected by its other edges or hit beside its neighbours. None
 /// holds where an intermediate product overflows or is subnormal.
+///
+/// The promises about quadrics are not about rays that pass an apex, or the rim where the box cuts, within an ulp of their
+/// own coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Claim {
     /// Of two triangles that share an edge, a ray through that edge hits at least one.
@@ -130,11 +133,22 @@ pub enum Claim {
     SingleHit,
     /// A box: never misses what is exactly hit.
     Conservative,
+    /// A quadric: hits exactly the rays that exactly hit, but for those where that hangs on an equality.
+    RightDecision,
+    /// A quadric: the `t` of every hit that is one is right to 1 %.
+    NoGrossError,
 }
 
 impl Claim {
     /// Every claim.
-    pub const ALL: [Self; 4] = [Self::EdgeWatertight, Self::VertexWatertight, Self::SingleHit, Self::Conservative];
+    pub const ALL: [Self; 6] = [
+        Self::EdgeWatertight,
+        Self::VertexWatertight,
+        Self::SingleHit,
+        Self::Conservative,
+        Self::RightDecision,
+        Self::NoGrossError,
+    ];
 
     /// One word, as printed in tables and records.
     pub fn name(self) -> &'static str {
@@ -143,6 +157,8 @@ impl Claim {
             Self::VertexWatertight => "vertex-watertight",
             Self::SingleHit => "single-hit",
             Self::Conservative => "conservative",
+            Self::RightDecision => "right-decision",
+            Self::NoGrossError => "no-gross-error",
         }
     }
 }

@@ -1,9 +1,10 @@
 //! What became of each promise, kept or not made, in the rows that put it to the test.
 
 use super::accuracy::Kernels;
-use super::figures::{Rate, doubles, leaks, lost_by_boxes};
+use super::figures::{Rate, doubles, gross, leaks, lost_by_boxes, wrong};
 use super::record::{AccuracyRow, ClaimRow};
-use crate::geom::{Aabb, Shape, Triangle};
+use super::workload::Workload;
+use crate::geom::{Aabb, Quadric, Shape, Triangle};
 use crate::kernels::Claim;
 
 /// Which rows put a claim to the test.
@@ -15,6 +16,8 @@ fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
         Claim::VertexWatertight => at_vertices,
         Claim::SingleHit => at_edges || at_vertices,
         Claim::Conservative => true,
+        // Its rays pass apex and rim more closely than the promises reach.
+        Claim::RightDecision | Claim::NoGrossError => row.workload != Workload::Edge.name(),
     }
 }
 
@@ -23,6 +26,7 @@ fn family(claim: Claim) -> &'static str {
     match claim {
         Claim::EdgeWatertight | Claim::VertexWatertight | Claim::SingleHit => Triangle::FAMILY,
         Claim::Conservative => Aabb::FAMILY,
+        Claim::RightDecision | Claim::NoGrossError => Quadric::FAMILY,
     }
 }
 
@@ -36,6 +40,8 @@ fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
             [leaks + doubles + row.boundary_many, of]
         }
         Claim::Conservative => count(lost_by_boxes(row)),
+        Claim::RightDecision => count(wrong(row)),
+        Claim::NoGrossError => count(gross(row)),
     }
 }
 

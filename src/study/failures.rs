@@ -1,6 +1,6 @@
 //! How a regime breaks kernels: what is measured at each of its steps, and from which step on a kernel fails.
 
-use super::figures::{Figures, Rate, count, doubles, leaks, lost_by_boxes, number, severity, ulp_p99};
+use super::figures::{Figures, Rate, count, doubles, leaks, lost_by_boxes, number, severity, ulp_p99, wrong};
 use super::record::{AccuracyRow, RegimeRow};
 
 /// A kernel fails at a step where more than this is wrong, per million: 0.1 %.
@@ -99,15 +99,6 @@ impl Measure {
             Self::Ulp => ulp_p99(row).map(Figure::Ulp),
         }
     }
-}
-
-/// False misses and false hits together.
-fn wrong(row: &AccuracyRow) -> Option<Rate> {
-    let sides = [(row.false_miss_per_million, row.exact_hits), (row.false_hit_per_million, row.exact_misses)];
-    // A rate of nothing has no meaning, and may be anything.
-    let events: f64 = sides.iter().filter_map(|&(rate, of)| Rate::new(rate, of)).map(Rate::events).sum();
-    let of = row.exact_hits + row.exact_misses;
-    Rate::new(events / of as f64 * 1e6, of)
 }
 
 impl Figure {

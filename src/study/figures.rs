@@ -18,8 +18,8 @@ pub(super) struct Group<'a> {
     pub(super) prefix: String,
     /// What is hit in the end, and so which regimes apply: `triangle`.
     pub(super) shape: &'a str,
-    /// Whether rays were aimed at meshes, so that [`Figures::lost`] counts leaks.
-    pub(super) mesh: bool,
+    /// What [`Figures::lost`] counts.
+    pub(super) loss: Loss,
     /// The workloads that [`Figures::lost`] is the worst of.
     pub(super) losing: Vec<&'a str>,
     /// In the order of the record.
@@ -43,13 +43,56 @@ impl Group<'_> {
 
     /// What [`Figures::lost`] counts, per million of what, over which workloads.
     pub(super) fn lost_means(&self) -> String {
-        let what = if self.mesh {
-            "leaks per million rays that exactly hit a mesh, edges included"
-        } else {
-            "lost rays (false misses, and boundary hits reported as none) per million that exactly hit"
+        let what = match self.loss {
+            Loss::Leaks => "leaks per million rays that exactly hit a mesh, edges included",
+            Loss::WithBoundary => {
+                "lost rays (false misses, and boundary hits reported as none) per million that exactly hit"
+            }
+            Loss::Strict => "lost rays (false misses) per million that exactly hit, boundaries apart",
         };
         let worst = if self.losing.len() > 1 { "the worst of" } else { "of" };
         format!("{what}; {worst} {}", self.losing.join(", "))
+    }
+}
+
+/// Which rays count as lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Loss {
+    /// Those that hit a mesh: a neighbour may catch what one triangle loses.
+    Leaks,
+    /// All that hit, the boundary included, which nothing else would catch.
+    WithBoundary,
+    /// Those that hit but not on the boundary: where a surface is curved, its silhouette is nobody's edge.
+    Strict,
+}
+
+impl Loss {
+    pub(super) const ALL: [Self; 3] = [Self::Leaks, Self::WithBoundary, Self::Strict];
+
+    fn by(shape: &str, mesh: bool) -> Self {
+        match (shape, mesh) {
+            (_, true) => Self::Leaks,
+            ("quadric", _) => Self::Strict,
+            _ => Self::WithBoundary,
+        }
+    }
+
+    fn of(self, row: &AccuracyRow) -> Option<Rate> {
+        match self {
+            Self::Leaks => leaks(row),
+            Self::WithBoundary => lost_by_boxes(row),
+            Self::Strict => Rate::new(row.false_miss_per_million, row.exact_hits),
+        }
+    }
+
+    /// Whether a regime's rays are aimed at what may be lost so.
+    fn concerns(self, regime: &RegimeRow) -> bool {
+        let one_of = |names: &[&str]| names.contains(&regime.name.as_str());
+        match self {
+            Self::Leaks => regime.mesh,
+            Self::WithBoundary => one_of(&["box_edge", "box_corner", "parallel", "flat"]),
+            Self::Strict => one_of(&["afar", "tangent", "parabolic", "generatrix"]),
+        }
     }
 }
 
@@ -60,7 +103,7 @@ pub(super) struct Figures<'a> {
     pub(super) kernel: &'a KernelRow,
     /// What distinguishes its ID within its group.
     pub(super) name: &'a str,
-    /// Rays that exactly hit and are reported to hit nothing: the worst of [`Group::losing`] and their severities, or, where
+    /// Rays that exactly hit and are reported to hit nothing, by [`Group::loss`]: the worst of [`Group::losing`] and their severities, or, where
     /// there are none, all of them together.
     pub(super) lost: Option<Rate>,
     /// The row that `lost` is from, if any were.
@@ -134,12 +177,13 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
     let shape = inner.unwrap_or(family);
     let prefix = common_prefix(kernels);
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
-    let losing = losing_workloads(record, shape, mesh, kernels);
+    let loss = Loss::by(shape, mesh);
+    let losing = losing_workloads(record, shape, loss, kernels);
     let kernels = kernels
         .iter()
         .map(|&kernel| {
             let rows = rows_of(record, &kernel.id).filter(|row| losing.contains(&row.workload.as_str()));
-            let rates = rows.filter_map(|row| Some((if mesh { leaks(row) } else { lost_by_boxes(row) }?, row)));
+            let rates = rows.filter_map(|row| Some((loss.of(row)?, row)));
             let rates: Vec<(Rate, &AccuracyRow)> = rates.collect();
             let worst = rates.iter().max_by(|(a, _), (b, _)| a.per_million.total_cmp(&b.per_million));
             // Where nothing was lost anywhere, it was lost by none of all these rays.
@@ -154,19 +198,16 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
             }
         })
         .collect();
-    Group { title, prefix: prefix.to_owned(), shape, mesh, losing, kernels }
+    Group { title, prefix: prefix.to_owned(), shape, loss, losing, kernels }
 }
 
 fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = &'a AccuracyRow> {
     record.accuracy.iter().filter(move |row| row.id == id)
 }
 
-/// Workloads whose rays are aimed at what a kernel may lose: those with meshes, and those at the boundary of a box.
-fn losing_workloads<'a>(record: &'a Record, shape: &str, mesh: bool, kernels: &[&KernelRow]) -> Vec<&'a str> {
-    const BOUNDARY: [&str; 4] = ["box_edge", "box_corner", "parallel", "flat"];
-    let loses = |regime: &&RegimeRow| {
-        regime.family == shape && if mesh { regime.mesh } else { BOUNDARY.contains(&regime.name.as_str()) }
-    };
+/// Workloads whose rays are aimed at what a kernel may lose.
+fn losing_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&KernelRow]) -> Vec<&'a str> {
+    let loses = |regime: &&RegimeRow| regime.family == shape && loss.concerns(regime);
     let measured =
         |workload: &&str| kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.workload == *workload));
     let regimes = record.regimes.iter().filter(loses).map(|regime| regime.name.as_str());
@@ -196,6 +237,20 @@ pub(super) fn lost_by_boxes(row: &AccuracyRow) -> Option<Rate> {
     // Without strict hits their rate has no meaning, and may be anything.
     let strict = Rate::new(row.false_miss_per_million, row.exact_hits).map_or(0.0, Rate::events);
     Rate::new((strict + row.boundary_none as f64) / of as f64 * 1e6, of)
+}
+
+/// False misses and false hits together.
+pub(super) fn wrong(row: &AccuracyRow) -> Option<Rate> {
+    let sides = [(row.false_miss_per_million, row.exact_hits), (row.false_hit_per_million, row.exact_misses)];
+    // A rate of nothing has no meaning, and may be anything.
+    let events: f64 = sides.iter().filter_map(|&(rate, of)| Rate::new(rate, of)).map(Rate::events).sum();
+    let of = row.exact_hits + row.exact_misses;
+    Rate::new(events / of as f64 * 1e6, of)
+}
+
+/// Agreed hits whose `t` is off by more than 1 %.
+pub(super) fn gross(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.gross_per_million, row.agreed_hits)
 }
 
 /// The 99th percentile of the error of `t`, where there are hits whose `t` could err.
@@ -521,9 +576,14 @@ mod tests {
         let record = record_of(&all_ids());
         let groups = groups(&record);
         let titles: Vec<_> = groups.iter().map(|group| group.title.as_str()).collect();
-        assert_eq!(titles, ["triangle", "aabb", "instance of triangle", "instance of aabb"]);
-        assert_eq!(groups[2].prefix, "instance/subtract_first/triangle/");
-        assert_eq!(groups[2].kernels[1].name, "moller_trumbore");
-        assert!(groups[2].mesh && !groups[3].mesh);
+        assert_eq!(
+            titles,
+            ["triangle", "aabb", "quadric", "instance of triangle", "instance of aabb", "instance of quadric"]
+        );
+        assert_eq!(groups[3].prefix, "instance/subtract_first/triangle/");
+        assert_eq!(groups[3].kernels[1].name, "moller_trumbore");
+        let losses = groups.iter().map(|group| group.loss);
+        let each = [Loss::Leaks, Loss::WithBoundary, Loss::Strict];
+        assert!(losses.eq(each.into_iter().chain(each)));
     }
 }

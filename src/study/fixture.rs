@@ -16,13 +16,15 @@ const TRIANGLES: [&str; 9] = [
     "woop_dop",
     "moller_trumbore_f64",
 ];
+const QUADRICS: [&str; 4] = ["naive", "stable", "mixed", "f64"];
 const BOXES: [&str; 5] = ["division", "reciprocal", "sign_selected", "fused", "padded"];
 
 /// The kernels of a full registry.
 pub(super) fn all_ids() -> Vec<String> {
     let bases = || {
         let triangles = TRIANGLES.iter().map(|name| format!("triangle/{name}"));
-        triangles.chain(BOXES.iter().map(|name| format!("aabb/{name}")))
+        let boxes = BOXES.iter().map(|name| format!("aabb/{name}"));
+        triangles.chain(boxes).chain(QUADRICS.iter().map(|name| format!("quadric/{name}")))
     };
     bases().chain(bases().map(|id| format!("instance/subtract_first/{id}"))).collect()
 }
@@ -120,7 +122,7 @@ fn regimes() -> Vec<RegimeRow> {
     };
     let scale: Vec<f64> = (-5..=5).map(|step| 10f64.powi(3 * step)).collect();
     let fans = [4.0, 16.0, 64.0, 256.0, 1024.0, 8192.0, 65_536.0].to_vec();
-    let rows: [(&str, &str, &str, Vec<f64>, bool); 17] = [
+    let rows: [(&str, &str, &str, Vec<f64>, bool); 20] = [
         ("triangle", "grazing", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
         ("triangle", "sliver", "length / height of the triangle", tens(1, 6), false),
         ("triangle", "offset", "distance from the origin / size", tens(0, 6), false),
@@ -143,7 +145,10 @@ fn regimes() -> Vec<RegimeRow> {
         ("aabb", "inverted", "how far the bounds are swapped / size", tens(-6, 0), false),
         ("aabb", "offset", "distance from the origin / size", tens(0, 6), false),
         ("aabb", "distance", "length of the ray / size", tens(0, 5), false),
-        ("aabb", "scale", "size of box and ray (units)", scale, false),
+        ("aabb", "scale", "size of box and ray (units)", scale.clone(), false),
+        ("quadric", "afar", "length of the ray / radius", tens(1, 6), false),
+        ("quadric", "tangent", "distance from the silhouette / radius", tens(-1, -7), false),
+        ("quadric", "scale", "size of quadric and ray (units)", scale, false),
     ];
     let row = |(family, name, axis, steps, mesh): (&str, &str, &str, Vec<f64>, bool)| RegimeRow {
         family: family.into(),
@@ -173,6 +178,7 @@ fn maps() -> Vec<MapRow> {
     vec![
         map("triangle", "offset-aspect", "distance from the origin / size", "length / height of the triangle"),
         map("triangle", "distance-grazing", "length of the ray / size", "1 / angle to the plane (1/rad)"),
+        map("quadric", "distance-silhouette", "length of the ray / radius", "distance from the silhouette / radius"),
         map("aabb", "offset-distance", "distance from the origin / size", "length of the ray / size"),
     ]
 }
@@ -189,7 +195,7 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
         setup_bytes: 12,
         setup_ns: 1.5,
         setup_ns_packet: 0.25,
-        claims: if i.is_multiple_of(2) { vec![claims_of(mesh)[0].into()] } else { Vec::new() },
+        claims: if i.is_multiple_of(2) { vec![claims_of(id)[0].into()] } else { Vec::new() },
     });
     let ns = 6.0 * (1.0 + 0.37 * (i % 7) as f64 + 0.05 * i as f64);
     for (face, ns) in [("1x1", ns), ("8x1", ns / (5.1 + 0.3 * (i % 5) as f64)), ("1x8", ns / 5.2)] {
@@ -229,8 +235,8 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
             ..zero_row(id, workload, None)
         });
     }
-    for (claim, violations) in claims_of(mesh).iter().zip([i as u64 % 3, 0, 17]) {
-        let claimed = i.is_multiple_of(2) && *claim == claims_of(mesh)[0];
+    for (claim, violations) in claims_of(id).iter().zip([i as u64 % 3, 0, 17]) {
+        let claimed = i.is_multiple_of(2) && *claim == claims_of(id)[0];
         let violations = if claimed && i != 4 { 0 } else { violations };
         record.claims.push(ClaimRow { id: id.into(), claim: (*claim).into(), claimed, violations, of: 100_000 });
     }
@@ -247,8 +253,12 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
     }
 }
 
-fn claims_of(mesh: bool) -> &'static [&'static str] {
-    if mesh { &["edge-watertight", "vertex-watertight", "single-hit"] } else { &["conservative"] }
+fn claims_of(id: &str) -> &'static [&'static str] {
+    match id.rsplit('/').nth(1) {
+        Some("triangle") => &["edge-watertight", "vertex-watertight", "single-hit"],
+        Some("quadric") => &["right-decision", "no-gross-error"],
+        _ => &["conservative"],
+    }
 }
 
 /// Errors that grow tenfold with each step from a step on that differs among kernels; every fourth kernel never errs.

@@ -23,7 +23,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::geom::{Aabb, Placed, Triangle};
+use crate::geom::{Aabb, Placed, Quadric, Triangle};
 use crate::registry;
 use crate::tracer::{Error, SceneSource, write_atomically};
 use accuracy::Kernels;
@@ -113,10 +113,12 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: Vec::new(),
         map_cells: Vec::new(),
     };
-    accuracy.of::<Triangle>(0.0..0.55);
-    accuracy.of::<Aabb>(0.55..0.8);
-    accuracy.of::<Placed<Triangle>>(0.8..0.9);
-    accuracy.of::<Placed<Aabb>>(0.9..1.0);
+    accuracy.of::<Triangle>(0.0..0.4);
+    accuracy.of::<Aabb>(0.4..0.6);
+    accuracy.of::<Quadric>(0.6..0.85);
+    accuracy.of::<Placed<Triangle>>(0.85..0.9);
+    accuracy.of::<Placed<Aabb>>(0.9..0.95);
+    accuracy.of::<Placed<Quadric>>(0.95..1.0);
 
     let mut tracer = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (512, 9) };

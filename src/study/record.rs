@@ -65,7 +65,7 @@ pub struct Machine {
 pub struct KernelRow {
     /// Its ID.
     pub id: String,
-    /// Family of its shape: `aabb`, `triangle` or `instance`.
+    /// Family of its shape: `aabb`, `triangle`, `quadric` or `instance`.
     pub family: String,
     /// The idea in one line.
     pub idea: String,
@@ -97,7 +97,7 @@ pub struct AbsentRow {
 /// A workload that gets harder step by step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegimeRow {
-    /// `triangle` or `aabb`: the family of kernels that it is for.
+    /// `triangle`, `aabb` or `quadric`: the family of kernels that it is for.
     pub family: String,
     /// Name, unique within the family: `grazing`.
     pub name: String,
@@ -129,7 +129,7 @@ pub struct ClaimRow {
 /// A failure map: a workload with two severities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapRow {
-    /// `triangle` or `aabb`.
+    /// `triangle`, `aabb` or `quadric`.
     pub family: String,
     /// Name, unique within the family: `offset-aspect`.
     pub name: String,

@@ -1,9 +1,9 @@
 //! Aimed test cases: uniformly random rays miss nearly everything, and never meet an edge, a corner, a plane that they
 //! run along, or a number at the end of the range.
 
-use glam::{Affine3, Mat3, Vec3};
+use glam::{Affine3, DVec3, Mat3, Vec3};
 use proptest::prelude::*;
-use raylanes::geom::{Aabb, Placed, Ray, Triangle};
+use raylanes::geom::{Aabb, Placed, Quadric, Ray, Triangle};
 use raylanes::kernels::Shape;
 
 /// Eight rays and eight shapes.
@@ -21,8 +21,8 @@ pub(crate) trait Aimed: Shape {
     /// The point that these weights stand for. Weights of 0 and 1 are on the boundary.
     fn target(&self, weights: Vec3) -> Vec3;
 
-    /// A direction within the surface, and one that leaves it.
-    fn tangent_and_normal(&self) -> (Vec3, Vec3);
+    /// A direction within the surface at this point of it, and one that leaves it, both of about the shape's size.
+    fn tangent_and_normal(&self, target: Vec3) -> (Vec3, Vec3);
 
     /// Everything multiplied by `factor`.
     fn scaled(&self, factor: f32) -> Self;
@@ -134,7 +134,7 @@ fn aim() -> impl Strategy<Value = Aim> {
 impl Aim {
     fn at(&self, shape: &impl Aimed) -> Ray<f32> {
         let target = shape.target(self.weights);
-        let (tangent, normal) = shape.tangent_and_normal();
+        let (tangent, normal) = shape.tangent_and_normal(target);
         let dir = match self.grazing {
             Some(angle) => tangent + normal * angle,
             // In proportion to the shape, so that the distance is too.
@@ -207,7 +207,7 @@ impl Aimed for Triangle {
         if weights.z == 1.0 { self.v1 + (self.v2 - self.v1) * v } else { self.point(u, v) }
     }
 
-    fn tangent_and_normal(&self) -> (Vec3, Vec3) {
+    fn tangent_and_normal(&self, _: Vec3) -> (Vec3, Vec3) {
         let (e1, e2) = (self.v1 - self.v0, self.v2 - self.v0);
         (e1, e1.cross(e2).normalize_or_zero() * e1.abs().max_element())
     }
@@ -241,7 +241,7 @@ impl Aimed for Aabb {
         }))
     }
 
-    fn tangent_and_normal(&self) -> (Vec3, Vec3) {
+    fn tangent_and_normal(&self, _: Vec3) -> (Vec3, Vec3) {
         let extent = self.hi - self.lo;
         (Vec3::new(0.0, extent.y, extent.z), Vec3::X * extent.max_element())
     }
@@ -259,6 +259,130 @@ impl Aimed for Aabb {
         }
         changed
     }
+}
+
+/// One of the kinds that have names, with sizes from 0.1 to 4.
+fn named() -> impl Strategy<Value = Quadric> {
+    let size = || prop_oneof![2 => 0.1f32..4.0, 3 => (1u8..=4).prop_map(f32::from)];
+    (0..8u8, [size(), size(), size()].prop_map(Vec3::from), size()).prop_map(|(kind, axes, height)| match kind {
+        0 => Quadric::sphere(axes.x),
+        1 => Quadric::ellipsoid(axes),
+        2 => Quadric::cylinder(axes.x, height),
+        3 => Quadric::cone(axes.x, height),
+        4 => Quadric::paraboloid(axes.x, height),
+        5 => Quadric::elliptic_paraboloid(axes.truncate(), height),
+        6 => Quadric::hyperboloid_of_one_sheet(axes, height),
+        _ => Quadric::hyperboloid_of_two_sheets(axes, axes.z + height),
+    })
+}
+
+/// Any coefficients and any box, those of a polynomial that is nearly or exactly linear among them.
+fn general() -> impl Strategy<Value = Quadric> {
+    let flatness = prop_oneof![
+        3 => Just(1.0f32),
+        2 => (1i32..=30).prop_map(|exponent| 10f32.powi(-exponent)),
+        1 => Just(0.0f32),
+        1 => Just(-0.0f32),
+    ];
+    let extent = prop_oneof![1 => (1u8..=4).prop_map(f32::from), 2 => 0.5f32..6.0];
+    (point(), point(), point(), coordinate(), flatness.clone(), flatness, point(), extent).prop_map(
+        |(squares, products, linear, constant, square, product, lo, extent)| Quadric {
+            squares: squares * square,
+            products: products * product,
+            linear,
+            constant,
+            clip: Aabb { lo, hi: lo + extent },
+        },
+    )
+}
+
+impl Aimed for Quadric {
+    fn any() -> BoxedStrategy<Self> {
+        let unclipped = named().prop_map(|quadric| {
+            let clip = Aabb { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
+            Quadric { clip, ..quadric }
+        });
+        let inverted =
+            (named(), point(), point()).prop_map(|(quadric, lo, hi)| Quadric { clip: Aabb { lo, hi }, ..quadric });
+        prop_oneof![9 => named(), 5 => general(), 1 => unclipped, 1 => inverted].boxed()
+    }
+
+    /// Two coordinates are where the weights say within the box, the third where the surface is, if it is anywhere there.
+    fn target(&self, weights: Vec3) -> Vec3 {
+        let frame = frame(self);
+        let within = frame.target(weights);
+        // A coordinate on a side of the box stays there.
+        let on_side = |axis: &usize| weights[*axis] == 0.0 || weights[*axis] == 1.0;
+        let mut axes = [2, 1, 0];
+        axes.sort_by_key(on_side);
+        for axis in axes {
+            let mut direction = DVec3::ZERO;
+            direction[axis] = 1.0;
+            let mut target = within.as_dvec3();
+            target[axis] = 0.0;
+            // Along an axis, the polynomial is given by three of its values.
+            let [f0, f1, f2] = [0.0, 1.0, -1.0].map(|t| value(self, target + direction * t));
+            let (a, b, c) = ((f1 + f2) * 0.5 - f0, (f1 - f2) * 0.5, f0);
+            let root = (b * b - 4.0 * a * c).sqrt() * if weights[axis] < 0.5 { -1.0 } else { 1.0 };
+            let t = if a == 0.0 { -c / b } else { (root - b) / (2.0 * a) };
+            if t >= f64::from(frame.lo[axis]) && t <= f64::from(frame.hi[axis]) {
+                target[axis] = t;
+                return target.as_vec3();
+            }
+        }
+        within
+    }
+
+    fn tangent_and_normal(&self, target: Vec3) -> (Vec3, Vec3) {
+        let size = frame(self).extent().max_element();
+        let normal = self.normal(target);
+        // Across the axis of what turns about z, or along it: the line that a cone or a cylinder consists of.
+        let across = normal.cross(Vec3::new(0.01, 0.02, 1.0)).normalize_or_zero();
+        let round = normal.cross(Vec3::Z).normalize_or_zero();
+        let tangent = if target.x > target.y { across } else { round.cross(normal) };
+        (tangent * size, normal * size)
+    }
+
+    fn scaled(&self, factor: f32) -> Self {
+        Quadric {
+            squares: self.squares / factor,
+            products: self.products / factor,
+            linear: self.linear,
+            constant: self.constant * factor,
+            clip: self.clip.scaled(factor),
+        }
+    }
+
+    fn with_coordinate(&self, index: usize, value: f32) -> Self {
+        let mut changed = *self;
+        *match index % 9 {
+            0 => &mut changed.squares.x,
+            1 => &mut changed.squares.z,
+            2 => &mut changed.products.y,
+            3 => &mut changed.products.z,
+            4 => &mut changed.linear.x,
+            5 => &mut changed.linear.y,
+            6 => &mut changed.constant,
+            7 => &mut changed.clip.lo.z,
+            _ => &mut changed.clip.hi.x,
+        } = value;
+        changed
+    }
+}
+
+/// The box, or one that is not infinite.
+fn frame(quadric: &Quadric) -> Aabb {
+    let clip = quadric.clip;
+    if clip.lo.is_finite() && clip.hi.is_finite() { clip } else { Aabb { lo: Vec3::splat(-4.0), hi: Vec3::splat(4.0) } }
+}
+
+/// [`Quadric::value`] in `f64`.
+fn value(quadric: &Quadric, point: DVec3) -> f64 {
+    let DVec3 { x, y, z } = point;
+    quadric.squares.as_dvec3().dot(point * point)
+        + quadric.products.as_dvec3().dot(DVec3::new(y * z, z * x, x * y))
+        + quadric.linear.as_dvec3().dot(point)
+        + f64::from(quadric.constant)
 }
 
 impl<S: Aimed> Aimed for Placed<S> {
@@ -279,8 +403,8 @@ impl<S: Aimed> Aimed for Placed<S> {
         self.object_to_world.transform_point3(self.shape.target(weights))
     }
 
-    fn tangent_and_normal(&self) -> (Vec3, Vec3) {
-        let (tangent, normal) = self.shape.tangent_and_normal();
+    fn tangent_and_normal(&self, target: Vec3) -> (Vec3, Vec3) {
+        let (tangent, normal) = self.shape.tangent_and_normal(self.object_to_world.inverse().transform_point3(target));
         (self.object_to_world.transform_vector3(tangent), self.object_to_world.transform_vector3(normal))
     }
 

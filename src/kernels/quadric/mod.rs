@@ -1,6 +1,382 @@
-//! Quadrics: the roots of the polynomial of second degree that the surface's equation becomes along a ray, of which those
-//! within the surface's clip box are candidates.
+//! Quadrics. Along the ray, the surface's equation becomes a polynomial of second degree in `t`, and its roots within the
+//! ray's interval and the surface's clip box are candidates. Both are: a ray may pass the nearer one outside of the box,
+//! through the part that is cut away, and hit the inner side. `u = v = 0` for every hit; the normal is
+//! [`Quadric::normal`], the gradient.
+//!
+//! # Where the box cuts
+//!
+//! A root is known up to its rounding error, and so is the interval of the box ([`Padded`](super::aabb::Padded)). From
+//! far enough away an ulp of `t` is longer than the gap between a sphere and its box, so a root counts within an interval
+//! that is longer at both ends by the error bound. The reported `t` is then clamped to the entry as the slab test computes
+//! it, which no box around this one enters later. A tree of boxes can therefore be culled by the slab test, and
+//! the closest hit does not depend on its shape.
+//!
+//! # What kernels lose, and where
+//!
+//! The discriminant `b² - a·c` (for `a·t² + 2b·t + c`) is about the square of the surface's size, its terms about the
+//! square of the distance of the point they are expanded about: from a thousand sizes away nothing is left of it. All but
+//! the textbook's kernel therefore move the ray's origin along the ray first, to a point near the surface. The root of the
+//! smaller magnitude is lost a second time in `-b ± √D` where b² is much larger than a·c, next to the surface or
+//! where `a` is small; they take it from the other root instead.
 
+// Not `mod f64`, which would hide the type.
+#[path = "f64.rs"]
+mod double;
+mod mixed;
 mod naive;
+mod stable;
 
+pub use double::Double;
+pub use mixed::Mixed;
 pub use naive::Naive;
+pub use stable::Stable;
+
+use glam::{DMat3, DVec3, Vec3};
+use wide::f32x8;
+
+use crate::geom::lanes::{
+    DVec3x8, Lanes, Mask8, Vec3x8, accepts, accepts8, double8, ge8, le8, lt8, max, max8, min, min8, power_of_two,
+    power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8,
+};
+use crate::geom::{Aabb, Hit, Quadric, Ray};
+use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
+
+/// Where a ray runs through a quadric's box.
+#[derive(Clone, Copy, Debug)]
+struct Span<L: Lanes> {
+    /// Of the whole line, whatever the ray's interval: where the origin may be moved to.
+    line: [L; 2],
+    /// Where the ray's own interval starts.
+    t_min: L,
+    /// Entry, moved out by its error bound.
+    earliest: L,
+    /// Entry within the ray's interval, as every slab test computes it.
+    entry: L,
+    /// Exit, moved out by its error bound, within the ray's interval.
+    exit: L,
+}
+
+impl Span<f32> {
+    #[inline(always)]
+    fn of(clip: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> Self {
+        let line = InverseDirection { inv_dir: setup.inv_dir, t_min: f32::NEG_INFINITY, t_max: f32::INFINITY };
+        let (entry, exit) = slab_interval(clip, origin, &line);
+        Self {
+            line: [entry, exit],
+            t_min: setup.t_min,
+            earliest: -pad(-entry, f32::INFINITY),
+            entry: max(entry, setup.t_min),
+            exit: pad(exit, setup.t_max),
+        }
+    }
+
+    /// The nearest point of the box's interval.
+    #[inline(always)]
+    fn clamp(&self, t: f32) -> f32 {
+        let [entry, exit] = self.line;
+        min(max(t, entry), exit)
+    }
+
+    /// Where to move the origin to, for kernels that lose nothing between there and the surface: nowhere from within the
+    /// box, so that short distances keep their digits, and else to the box, as near to 0 as the ray comes.
+    #[inline(always)]
+    fn start(&self, origin: Vec3, back: Vec3) -> f32 {
+        let [entry, exit] = self.line;
+        if (entry <= 0.0) & (exit >= 0.0) { 0.0 } else { self.clamp(origin.dot(back)) }
+    }
+
+    /// Whether a hit at `t` is one of the box too. Infinities and NaN are not.
+    #[inline(always)]
+    fn accepts(&self, t: f32) -> bool {
+        accepts(self.t_min, t, self.exit) & (t >= self.earliest) & (self.entry <= self.exit)
+    }
+
+    /// The nearer of two roots, in whatever order they come, among those that count.
+    #[inline(always)]
+    fn hit(&self, [t0, t1]: [f32; 2]) -> Hit<f32> {
+        let (first, second) = (self.accepts(t0), self.accepts(t1));
+        let t = if first & (!second | (t0 < t1)) { t0 } else { t1 };
+        Hit::<f32>::new(first | second, self.report(t), 0.0, 0.0)
+    }
+
+    /// A `t` that counts, clamped so that no box around this one is entered later.
+    #[inline(always)]
+    fn report(&self, t: f32) -> f32 {
+        min(max(t, self.entry), self.exit)
+    }
+}
+
+impl Span<f32x8> {
+    /// [`Span::<f32>::of`] in eight lanes.
+    #[inline(always)]
+    fn of(clip: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> Self {
+        let line = InverseDirection {
+            inv_dir: setup.inv_dir,
+            t_min: f32x8::splat(f32::NEG_INFINITY),
+            t_max: f32x8::splat(f32::INFINITY),
+        };
+        let (entry, exit) = slab_interval8(clip, origin, &line);
+        Self {
+            line: [entry, exit],
+            t_min: setup.t_min,
+            earliest: -pad8(-entry, f32x8::splat(f32::INFINITY)),
+            entry: max8(entry, setup.t_min),
+            exit: pad8(exit, setup.t_max),
+        }
+    }
+
+    /// [`Span::<f32>::clamp`] in eight lanes.
+    #[inline(always)]
+    fn clamp(&self, t: f32x8) -> f32x8 {
+        let [entry, exit] = self.line;
+        min8(max8(t, entry), exit)
+    }
+
+    /// [`Span::<f32>::start`] in eight lanes.
+    #[inline(always)]
+    fn start(&self, origin: Vec3x8, back: Vec3x8) -> f32x8 {
+        let ([entry, exit], zero) = (self.line, f32x8::ZERO);
+        (le8(entry, zero) & ge8(exit, zero)).select(zero, self.clamp(origin.dot(back)))
+    }
+
+    /// [`Span::<f32>::accepts`] in eight lanes.
+    #[inline(always)]
+    fn accepts(&self, t: f32x8) -> Mask8 {
+        accepts8(self.t_min, t, self.exit) & ge8(t, self.earliest) & le8(self.entry, self.exit)
+    }
+
+    /// [`Span::<f32>::hit`] in eight lanes.
+    #[inline(always)]
+    fn hit(&self, [t0, t1]: [f32x8; 2]) -> Hit<f32x8> {
+        let (first, second) = (self.accepts(t0), self.accepts(t1));
+        let t = (first & (!second | lt8(t0, t1))).select(t0, t1);
+        Hit::<f32x8>::new(first | second, self.report(t), f32x8::ZERO, f32x8::ZERO)
+    }
+
+    /// [`Span::<f32>::report`] in eight lanes.
+    #[inline(always)]
+    fn report(&self, t: f32x8) -> f32x8 {
+        min8(max8(t, self.entry), self.exit)
+    }
+}
+
+/// The per-ray data of the kernels that move the ray's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach<L: Lanes> {
+    slabs: InverseDirection<L>,
+    /// `-dir / |dir|²`: times a point relative to the origin, it gives the `t` of the ray's closest approach.
+    back: L::Vec3,
+    /// `dir / unit`.
+    dir: L::Vec3,
+    /// x², y² and z² of that.
+    squares: L::Vec3,
+    /// 2yz, 2zx and 2xy of that.
+    products: L::Vec3,
+    /// A power of two of the magnitude of `dir`: dividing by it rounds nothing, and squares neither over- nor underflow.
+    unit: L,
+    /// `1 / unit`.
+    inv_unit: L,
+}
+
+/// So large that its inverse is not subnormal.
+const GREATEST_UNIT: f32 = 1.0 / f32::MIN_POSITIVE;
+
+impl Approach<f32> {
+    /// Five divisions and the validity check.
+    #[inline(always)]
+    pub fn of(ray: &Ray<f32>) -> Self {
+        let size = ray.dir.abs();
+        let unit = power_of_two(max(max(size.x, size.y), size.z));
+        let unit = min(max(unit, f32::MIN_POSITIVE), GREATEST_UNIT);
+        let inv_unit = 1.0 / unit;
+        let d = ray.dir * inv_unit;
+        Self {
+            slabs: InverseDirection::<f32>::of(ray),
+            back: d * (-1.0 / d.dot(d) * inv_unit),
+            dir: d,
+            squares: Vec3::new(d.x * d.x, d.y * d.y, d.z * d.z),
+            products: Vec3::new(2.0 * d.y * d.z, 2.0 * d.z * d.x, 2.0 * d.x * d.y),
+            unit,
+            inv_unit,
+        }
+    }
+}
+
+impl Approach<f32x8> {
+    /// [`Approach::<f32>::of`] in eight lanes.
+    #[inline(always)]
+    pub fn of(ray: &Ray<f32x8>) -> Self {
+        let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
+        let unit = power_of_two8(max8(max8(size.x, size.y), size.z));
+        let unit = min8(max8(unit, f32x8::splat(f32::MIN_POSITIVE)), f32x8::splat(GREATEST_UNIT));
+        let inv_unit = f32x8::ONE / unit;
+        let d = ray.dir * inv_unit;
+        let two = f32x8::splat(2.0);
+        Self {
+            slabs: InverseDirection::<f32x8>::of(ray),
+            back: d * (-f32x8::ONE / d.dot(d) * inv_unit),
+            dir: d,
+            squares: Vec3x8 { x: d.x * d.x, y: d.y * d.y, z: d.z * d.z },
+            products: Vec3x8 { x: two * d.y * d.z, y: two * d.z * d.x, z: two * d.x * d.y },
+            unit,
+            inv_unit,
+        }
+    }
+}
+
+/// `p·Mp + 2h·p + k`, the polynomial about some point, with everything multiplied by one power of two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Form<P: Lanes> {
+    /// Diagonal of M.
+    squares: P::Vec3,
+    /// yz, zx and xy of M: half the coefficients of the products.
+    products: P::Vec3,
+    /// h: half the coefficients of x, y and z.
+    linear: P::Vec3,
+    /// k.
+    constant: P,
+}
+
+impl Form<f32> {
+    /// The polynomial about `center`, computed in `f64` and rounded once. Coordinates within the box are then at most about
+    /// `size`, and the power of two is such that the discriminant is about 1, far from both ends of the range.
+    fn about(shape: &Quadric, center: Vec3) -> Self {
+        let (squares, products) = (shape.squares.as_dvec3(), shape.products.as_dvec3() * 0.5);
+        let m = DMat3::from_cols(
+            DVec3::new(squares.x, products.z, products.y),
+            DVec3::new(products.z, squares.y, products.x),
+            DVec3::new(products.y, products.x, squares.z),
+        );
+        let (at, h) = (center.as_dvec3(), shape.linear.as_dvec3() * 0.5);
+        let linear = m * at + h;
+        let constant = (linear + h).dot(at) + f64::from(shape.constant);
+
+        let size = size(&shape.clip, center);
+        let greatest = |v: DVec3| v.abs().max_element();
+        let magnitude = [greatest(squares) * size, greatest(products) * size, greatest(linear), constant.abs() / size];
+        let magnitude = magnitude.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        // The power of two below: all bits of the number but those of its exponent are cleared.
+        let scale = 1.0 / f64::from_bits(magnitude.to_bits() & f64::INFINITY.to_bits());
+        Self {
+            squares: (squares * scale).as_vec3(),
+            products: (products * scale).as_vec3(),
+            linear: (linear * scale).as_vec3(),
+            constant: (constant * scale) as f32,
+        }
+    }
+
+    /// `Mp + h`: half the gradient.
+    #[inline(always)]
+    fn half_gradient(&self, p: Vec3) -> Vec3 {
+        let (s, m) = (self.squares, self.products);
+        Vec3::new(
+            s.x * p.x + m.z * p.y + m.y * p.z + self.linear.x,
+            m.z * p.x + s.y * p.y + m.x * p.z + self.linear.y,
+            m.y * p.x + m.x * p.y + s.z * p.z + self.linear.z,
+        )
+    }
+
+    /// [`Form::half_gradient`] in `f64`.
+    #[inline(always)]
+    fn half_gradient_f64(&self, p: DVec3) -> DVec3 {
+        let (s, m, h) = (self.squares.as_dvec3(), self.products.as_dvec3(), self.linear.as_dvec3());
+        DVec3::new(
+            s.x * p.x + m.z * p.y + m.y * p.z + h.x,
+            m.z * p.x + s.y * p.y + m.x * p.z + h.y,
+            m.y * p.x + m.x * p.y + s.z * p.z + h.z,
+        )
+    }
+}
+
+impl Form<f32x8> {
+    fn gather(forms: [Form<f32>; 8]) -> Self {
+        Self {
+            squares: Vec3x8::from_lanes(forms.map(|form| form.squares)),
+            products: Vec3x8::from_lanes(forms.map(|form| form.products)),
+            linear: Vec3x8::from_lanes(forms.map(|form| form.linear)),
+            constant: f32x8::new(forms.map(|form| form.constant)),
+        }
+    }
+
+    /// [`Form::<f32>::half_gradient`] in eight lanes.
+    #[inline(always)]
+    fn half_gradient(&self, p: Vec3x8) -> Vec3x8 {
+        let (s, m) = (self.squares, self.products);
+        Vec3x8 {
+            x: s.x * p.x + m.z * p.y + m.y * p.z + self.linear.x,
+            y: m.z * p.x + s.y * p.y + m.x * p.z + self.linear.y,
+            z: m.y * p.x + m.x * p.y + s.z * p.z + self.linear.z,
+        }
+    }
+
+    /// [`Form::<f32>::half_gradient_f64`] in eight lanes.
+    #[inline(always)]
+    fn half_gradient_f64(&self, p: DVec3x8) -> DVec3x8 {
+        let [sx, sy, sz] = double8(self.squares);
+        let [mx, my, mz] = double8(self.products);
+        let [hx, hy, hz] = double8(self.linear);
+        [
+            sx * p[0] + mz * p[1] + my * p[2] + hx,
+            mz * p[0] + sy * p[1] + mx * p[2] + hy,
+            my * p[0] + mx * p[1] + sz * p[2] + hz,
+        ]
+    }
+}
+
+impl<P: Lanes> Form<P> {
+    #[inline(always)]
+    fn widen(&self) -> Form<f32x8> {
+        Form {
+            squares: P::widen_vec3(self.squares),
+            products: P::widen_vec3(self.products),
+            linear: P::widen_vec3(self.linear),
+            constant: self.constant.widen(),
+        }
+    }
+}
+
+/// The roots of `a·t² + 2b·t + c`, in no order; those that are infinite or NaN are none. The sum in `q` never cancels. Where
+/// `a` is zero, `c/q` is the one root, without a case of its own; where `b` is zero too there is none.
+#[inline(always)]
+fn roots(a: f32, b: f32, c: f32) -> [f32; 2] {
+    let discriminant = b * b - a * c;
+    // An infinite q would make c/q a root at 0.
+    let root = if discriminant < f32::INFINITY { sqrt(discriminant) } else { f32::NAN };
+    let q = -(b + if sign_bit(b) { -root } else { root });
+    [q / a, c / q]
+}
+
+/// [`roots`] in eight lanes.
+#[inline(always)]
+fn roots8(a: f32x8, b: f32x8, c: f32x8) -> [f32x8; 2] {
+    let discriminant = b * b - a * c;
+    let finite = lt8(discriminant, f32x8::splat(f32::INFINITY));
+    let root = finite.select(sqrt8(discriminant), f32x8::splat(f32::NAN));
+    let q = -(b + sign_bit8(b).select(-root, root));
+    [q / a, c / q]
+}
+
+/// The point of the box with the least coordinates in magnitude where it contains 0, and elsewhere its middle. The named
+/// kinds contain their own centre or apex, 0, about which their coefficients are given: these are then not rounded.
+fn center(clip: &Aabb) -> Vec3 {
+    Vec3::from([0, 1, 2].map(|axis| {
+        let (lo, hi) = (clip.lo[axis], clip.hi[axis]);
+        let middle = lo * 0.5 + hi * 0.5;
+        if (lo <= 0.0) & (hi >= 0.0) {
+            0.0
+        } else if middle.is_finite() {
+            middle
+        } else {
+            // Of a box that is infinite to one side, the other.
+            if lo > 0.0 { lo } else { hi }
+        }
+    }))
+}
+
+/// Greatest distance, along an axis, from `center` to a side of the box that is not infinitely far; 1 if there is none.
+fn size(clip: &Aabb, center: Vec3) -> f64 {
+    let distances = [clip.lo, clip.hi].map(|corner| (corner.as_dvec3() - center.as_dvec3()).abs().to_array());
+    let finite = distances.as_flattened().iter().filter(|distance| distance.is_finite());
+    let size = finite.fold(0.0, |size: f64, &distance| size.max(distance));
+    if size > 0.0 { size } else { 1.0 }
+}

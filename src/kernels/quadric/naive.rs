@@ -1,14 +1,35 @@
-//! `quadric/naive`: the textbook's formula for the roots of `a·t² + b·t + c`.
+//! `quadric/naive`: the textbook's formula.
+//!
+//! **Source:** A. S. Glassner (ed.), "An Introduction to Ray Tracing", 1989, chapter 2 (E. Haines).
+//!
+//! **Idea:** the ray put into the surface's equation gives `a·t² + b·t + c = 0`, whose roots are `(-b ± √(b² - 4ac)) / 2a`.
+//!
+//! **Differs from the source:** nothing is returned early, since a packet cannot be, and the box limits the roots.
+//!
+//! **Edges:** the surface belongs to its box, but for rounding. At a tangent ray, whether the discriminant is negative
+//! is up to rounding.
+//!
+//! **Fails:** `b²` and `4ac` grow with the square of the distance from the coordinates' origin, and what is left of their
+//! difference does not: unit spheres a thousand radii away are hit or missed by chance. The root of the smaller magnitude
+//! cancels wherever `4ac` is small beside `b²`: near the surface, and where `a` is, as for a paraboloid and a ray nearly
+//! along its axis. Products overflow where the discriminant, of the fourth degree in the sizes involved, does.
+//!
+//! **Degenerate input:** where `a` is exactly zero the equation is linear. Where `b` is zero too, the ray runs within the
+//! surface or nowhere near it, and misses: its root is infinite or NaN.
+//!
+//! **Operations:** 60 multiplications, 34 additions, 3 divisions, 1 square root, of which 12 and 6 are the box's; setup 3
+//! divisions. 64 bytes prepared.
 
 use glam::Vec3;
 use wide::f32x8;
 
-use crate::geom::lanes::{Lanes, Vec3x8, eq8, ge8, le8, lt8, max, max8, min, min8};
+use super::Span;
+use crate::geom::lanes::{Lanes, Vec3x8, eq8, sqrt, sqrt8};
 use crate::geom::{Hit, Quadric, Ray};
-use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
+use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// One prepared quadric or eight: its coefficients and its box, 64 bytes a quadric.
+/// Quadrics for the textbook's formula: the coefficients as they are, and the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Naive<P: Lanes> {
     squares: P::Vec3,
@@ -16,6 +37,63 @@ pub struct Naive<P: Lanes> {
     linear: P::Vec3,
     constant: P,
     clip: Slabs<P>,
+}
+
+impl Kernel for Naive<f32> {
+    type Shape = Quadric;
+    type Packet = Naive<f32x8>;
+    const INFO: Info = Info {
+        id: Id::of("quadric/naive"),
+        idea: "the textbook's formula, (-b ± √(b² - 4ac)) / 2a",
+        source: "Glassner (ed.), \"An Introduction to Ray Tracing\", 1989, chapter 2",
+        operations: Operations { mul: 60, add: 34, div: 4 },
+        claims: &[],
+    };
+
+    fn prepare(shape: &Quadric) -> Self {
+        let Quadric { squares, products, linear, constant, .. } = *shape;
+        Self { squares, products, linear, constant, clip: shape.bounds().into() }
+    }
+
+    fn gather(primitives: &[Self; 8]) -> Self::Packet {
+        Naive {
+            squares: Vec3x8::from_lanes(primitives.map(|one| one.squares)),
+            products: Vec3x8::from_lanes(primitives.map(|one| one.products)),
+            linear: Vec3x8::from_lanes(primitives.map(|one| one.linear)),
+            constant: f32x8::new(primitives.map(|one| one.constant)),
+            clip: Slabs::gather(primitives.map(|one| one.clip)),
+        }
+    }
+}
+
+/// yz, zx and xy.
+#[inline(always)]
+fn pairs(a: Vec3) -> Vec3 {
+    Vec3::new(a.y * a.z, a.z * a.x, a.x * a.y)
+}
+
+/// [`pairs`] in eight lanes.
+#[inline(always)]
+fn pairs8(a: Vec3x8) -> Vec3x8 {
+    Vec3x8 { x: a.y * a.z, y: a.z * a.x, z: a.x * a.y }
+}
+
+/// What is linear in `t` of [`pairs`] of `a + t·b`.
+#[inline(always)]
+fn mixed_pairs(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z + b.y * a.z, a.z * b.x + b.z * a.x, a.x * b.y + b.x * a.y)
+}
+
+/// [`mixed_pairs`] in eight lanes.
+#[inline(always)]
+fn mixed_pairs8(a: Vec3x8, b: Vec3x8) -> Vec3x8 {
+    Vec3x8 { x: a.y * b.z + b.y * a.z, y: a.z * b.x + b.z * a.x, z: a.x * b.y + b.x * a.y }
+}
+
+/// Component by component.
+#[inline(always)]
+fn product8(a: Vec3x8, b: Vec3x8) -> Vec3x8 {
+    Vec3x8 { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z }
 }
 
 impl Intersect<f32> for Naive<f32> {
@@ -28,22 +106,14 @@ impl Intersect<f32> for Naive<f32> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+        let Self { squares, products, linear, constant, clip } = *self;
         let (o, d) = (ray.origin, ray.dir);
-        let mixed = |a: Vec3, b: Vec3| Vec3::new(a.y * b.z + b.y * a.z, a.z * b.x + b.z * a.x, a.x * b.y + b.x * a.y);
-        let a = self.squares.dot(d * d) + self.products.dot(Vec3::new(d.y * d.z, d.z * d.x, d.x * d.y));
-        let b = 2.0 * self.squares.dot(o * d) + self.products.dot(mixed(o, d)) + self.linear.dot(d);
-        let c = self.squares.dot(o * o)
-            + self.products.dot(Vec3::new(o.y * o.z, o.z * o.x, o.x * o.y))
-            + self.linear.dot(o)
-            + self.constant;
-        let root = (b * b - 4.0 * a * c).sqrt();
-        let (t0, t1) = if a == 0.0 { (-c / b, -c / b) } else { ((-b - root) / (2.0 * a), (-b + root) / (2.0 * a)) };
-        let (near, far) = (min(t0, t1), max(t0, t1));
-        let (entry, exit) = slab_interval(&self.clip, o, setup);
-        let exit = pad(exit, setup.t_max);
-        let within = |t: f32| (t >= entry) & (t <= exit) & (t.abs() < f32::INFINITY);
-        let t = if within(near) { near } else { far };
-        Hit::<f32>::new(within(t), t, 0.0, 0.0)
+        let a = squares.dot(d * d) + products.dot(pairs(d));
+        let b = 2.0 * squares.dot(o * d) + products.dot(mixed_pairs(o, d)) + linear.dot(d);
+        let c = squares.dot(o * o) + products.dot(pairs(o)) + linear.dot(o) + constant;
+        let root = sqrt(b * b - 4.0 * a * c);
+        let roots = if a == 0.0 { [-c / b; 2] } else { [(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)] };
+        Span::<f32>::of(&clip, o, setup).hit(roots)
     }
 }
 
@@ -57,60 +127,16 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
 
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let (o, d) = (ray.origin, ray.dir);
         let (squares, products) = (P::widen_vec3(self.squares), P::widen_vec3(self.products));
         let (linear, constant) = (P::widen_vec3(self.linear), self.constant.widen());
-        let product = |a: Vec3x8, b: Vec3x8| Vec3x8 { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z };
-        let mixed = |a: Vec3x8, b: Vec3x8| Vec3x8 {
-            x: a.y * b.z + b.y * a.z,
-            y: a.z * b.x + b.z * a.x,
-            z: a.x * b.y + b.x * a.y,
-        };
-        let pairs = |a: Vec3x8| Vec3x8 { x: a.y * a.z, y: a.z * a.x, z: a.x * a.y };
+        let (o, d) = (ray.origin, ray.dir);
         let two = f32x8::splat(2.0);
-        let a = squares.dot(product(d, d)) + products.dot(pairs(d));
-        let b = two * squares.dot(product(o, d)) + products.dot(mixed(o, d)) + linear.dot(d);
-        let c = squares.dot(product(o, o)) + products.dot(pairs(o)) + linear.dot(o) + constant;
-        let root = (b * b - f32x8::splat(4.0) * a * c).sqrt();
-        let flat = eq8(a, f32x8::ZERO);
-        let (t0, t1) = (flat.select(-c / b, (-b - root) / (two * a)), flat.select(-c / b, (-b + root) / (two * a)));
-        let (near, far) = (min8(t0, t1), max8(t0, t1));
-        let (entry, exit) = slab_interval8(&self.clip.widen(), o, setup);
-        let exit = pad8(exit, setup.t_max);
-        let within = |t: f32x8| ge8(t, entry) & le8(t, exit) & lt8(t.abs(), f32x8::splat(f32::INFINITY));
-        let t = within(near).select(near, far);
-        Hit::<f32x8>::new(within(t), t, f32x8::ZERO, f32x8::ZERO)
-    }
-}
-
-impl Kernel for Naive<f32> {
-    type Shape = Quadric;
-    type Packet = Naive<f32x8>;
-    const INFO: Info = Info {
-        id: Id::of("quadric/naive"),
-        idea: "the textbook's formula, (-b ± √(b² - 4ac)) / 2a",
-        source: "A. Glassner (ed.), \"An Introduction to Ray Tracing\", 1989, chapter 2",
-        operations: Operations { mul: 40, add: 30, div: 2 },
-        claims: &[],
-    };
-
-    fn prepare(shape: &Quadric) -> Self {
-        Self {
-            squares: shape.squares,
-            products: shape.products,
-            linear: shape.linear,
-            constant: shape.constant,
-            clip: shape.bounds().into(),
-        }
-    }
-
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Naive {
-            squares: Vec3x8::from_lanes(primitives.map(|one| one.squares)),
-            products: Vec3x8::from_lanes(primitives.map(|one| one.products)),
-            linear: Vec3x8::from_lanes(primitives.map(|one| one.linear)),
-            constant: f32x8::new(primitives.map(|one| one.constant)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
+        let a = squares.dot(product8(d, d)) + products.dot(pairs8(d));
+        let b = two * squares.dot(product8(o, d)) + products.dot(mixed_pairs8(o, d)) + linear.dot(d);
+        let c = squares.dot(product8(o, o)) + products.dot(pairs8(o)) + linear.dot(o) + constant;
+        let root = sqrt8(b * b - f32x8::splat(4.0) * a * c);
+        let (flat, linear_root) = (eq8(a, f32x8::ZERO), -c / b);
+        let roots = [(-b - root) / (two * a), (-b + root) / (two * a)].map(|root| flat.select(linear_root, root));
+        Span::<f32x8>::of(&self.clip.widen(), o, setup).hit(roots)
     }
 }

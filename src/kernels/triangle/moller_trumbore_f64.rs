@@ -20,7 +20,7 @@
 use wide::{f32x8, f64x8};
 
 use super::Vertices;
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge64, le64, to_f32x8, to_f64x8};
+use crate::geom::lanes::{DVec3x8, Lanes, accepts, accepts8, dot_f64x8, double8, ge64, le64, to_f32x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -48,22 +48,9 @@ impl Kernel for MollerTrumboreF64<f32> {
     }
 }
 
-/// Eight vectors in `f64`, spelled operation for operation like [`glam::DVec3`].
-type DVec3x8 = [f64x8; 3];
-
-#[inline(always)]
-fn double8(v: Vec3x8) -> DVec3x8 {
-    [to_f64x8(v.x), to_f64x8(v.y), to_f64x8(v.z)]
-}
-
 #[inline(always)]
 fn minus8(a: DVec3x8, b: DVec3x8) -> DVec3x8 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn dot8(a: DVec3x8, b: DVec3x8) -> f64x8 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
@@ -114,13 +101,13 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
 
         let (e1, e2) = (minus8(v1, v0), minus8(v2, v0));
         let p = cross8(dir, e2);
-        let inv_det = one / dot8(e1, p);
+        let inv_det = one / dot_f64x8(e1, p);
 
         let s = minus8(origin, v0);
-        let u = dot8(s, p) * inv_det;
+        let u = dot_f64x8(s, p) * inv_det;
         let q = cross8(s, e1);
-        let v = dot8(dir, q) * inv_det;
-        let t = to_f32x8(dot8(e2, q) * inv_det);
+        let v = dot_f64x8(dir, q) * inv_det;
+        let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge64(u, zero) & ge64(v, zero) & le64(u + v, one)).narrow();

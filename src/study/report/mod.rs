@@ -4,7 +4,7 @@ mod failures;
 
 use crate::study::chart::{SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
 use crate::study::figures::{
-    Cell, Figures, Grid, Group, MISSING, Rate, count, groups, number, si, thread_counts, times, tracer_cells,
+    Cell, Figures, Grid, Group, Loss, MISSING, Rate, count, groups, number, si, thread_counts, times, tracer_cells,
     tracer_header, tracer_rows,
 };
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
@@ -57,7 +57,8 @@ that number.
 - *false hit*: pairs that exactly miss, reported as hits.
 - *leak*: rays that exactly hit a mesh, edges included, reported to hit nothing of it.
 - *double*: rays that exactly hit one triangle strictly inside and no other, reported to hit several.
-- *boundary*: rays that exactly hit an edge or a vertex, by how many hits were reported: none / one / more.
+- *boundary*: rays that exactly hit an edge or a vertex, or a quadric where that hangs on an equality (tangent, at a plane \
+of its box, at an end of the interval), by how many hits were reported: none / one / more.
 - *ulp*: distance of `t` from the correctly rounded one, in representable numbers, over hits both agree on. The 99th \
 percentile is the one to compare; the greatest is noise.
 - *gross*: hits that both agree on whose `t` is off by more than 1 %.
@@ -85,7 +86,7 @@ machine, and clock rates drift: trust ratios between rows of one record, rather 
 records.
 
 **What the errors are errors of.** Rays are seeded and aimed. `generic` rays go into and past a primitive of about unit size \
-from a few units away; `edge` rays go to edges, vertices, corners and planes. The rates describe these workloads: a picture \
+from a few units away; `edge` rays go to edges, vertices, corners and planes, and to the silhouettes, rims and apices of quadrics. The rates describe these workloads: a picture \
 meets an edge far more rarely, and harder geometry (slivers, great distances) may err far more.
 
 **What ties the two together.** The scalar and the packet form of a kernel are written apart and give identical bits; the \
@@ -176,8 +177,8 @@ fn legend(groups: &[Group]) -> String {
          ulp: 99th percentile of the error of `t` over generic rays, in units in the last place. `0 (< b)`: none was \
          observed, and b is the 95 % bound. Lost:\n"
             .to_owned();
-    for mesh in [true, false] {
-        let mut same = groups.iter().filter(|group| group.mesh == mesh);
+    for loss in Loss::ALL {
+        let mut same = groups.iter().filter(|group| group.loss == loss);
         if let Some(first) = same.next() {
             let titles: Vec<_> = [first].into_iter().chain(same).map(|group| group.title.as_str()).collect();
             text += &format!("\n- {}: {}", titles.join(", "), first.lost_means());

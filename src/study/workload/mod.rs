@@ -6,6 +6,7 @@
 
 mod aabb;
 mod placed;
+mod quadric;
 mod triangle;
 
 use glam::{Mat3, Vec3};
@@ -22,7 +23,8 @@ pub enum Workload {
     /// One primitive of about unit size and a ray aimed into it or past it, from a few units away.
     Generic,
     /// Rays aimed at edges, vertices, corners and planes. For triangles: a fan of eight that all face the rays, in random
-    /// positions or on a grid, where rays meet edges exactly.
+    /// positions or on a grid, where rays meet edges exactly. For quadrics: tangent rays and rays at the rim where the box
+    /// cuts, at an apex, or with an end of their interval on the surface.
     Edge,
 }
 

@@ -1,0 +1,130 @@
+//! `quadric/f64`
+
+use glam::{DVec3, Vec3};
+use wide::{f32x8, f64x8};
+
+use super::{Approach, Form, Span};
+use crate::geom::lanes::{
+    Lanes, Mask64, dot_f64x8, double8, ge64, le8, le64, lt8, lt64, sign_bit_f64x8, sqrt_f64, sqrt_f64x8, to_f32x8,
+    to_f64x8,
+};
+use crate::geom::{Hit, Quadric, Ray};
+use crate::kernels::aabb::Slabs;
+use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
+
+/// Quadrics for the roots in `f64`: the coefficients and the box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Double<P: Lanes> {
+    form: Form<P>,
+    clip: Slabs<P>,
+}
+
+impl Kernel for Double<f32> {
+    type Shape = Quadric;
+    type Packet = Double<f32x8>;
+    const INFO: Info = Info {
+        id: Id::of("quadric/f64"),
+        idea: "moved origin, q/a and c/q, and the clip test, all in f64; f32 in and out",
+        source: "Goldberg 1991",
+        operations: Operations { mul: 44, add: 40, div: 3 },
+        claims: &[Claim::RightDecision, Claim::NoGrossError],
+    };
+
+    fn prepare(shape: &Quadric) -> Self {
+        Self { form: Form::about(shape, Vec3::ZERO), clip: shape.bounds().into() }
+    }
+
+    fn gather(primitives: &[Self; 8]) -> Self::Packet {
+        Double {
+            form: Form::gather(primitives.map(|one| one.form)),
+            clip: Slabs::gather(primitives.map(|one| one.clip)),
+        }
+    }
+}
+
+impl Intersect<f32> for Double<f32> {
+    type Setup = Approach<f32>;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32>) -> Approach<f32> {
+        Approach::<f32>::of(ray)
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
+        let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
+        let form = &self.form;
+        let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+        let moved = f64::from(span.start(ray.origin, setup.back));
+        let p = o + d * moved;
+
+        let g = form.half_gradient_f64(p);
+        let (squares, products) = (form.squares.as_dvec3(), form.products.as_dvec3());
+        let a = squares.dot(d * d) + products.dot(DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y)) * 2.0;
+        let b = d.dot(g);
+        let c = p.dot(g + form.linear.as_dvec3()) + f64::from(form.constant);
+        let root = sqrt_f64(b * b - a * c);
+        let q = -(b + if b.is_sign_negative() { -root } else { root });
+        let (t0, t1) = (moved + q / a, moved + c / q);
+
+        let (lo, hi) = (self.clip.lo.as_dvec3(), self.clip.hi.as_dvec3());
+        let counts = |t: f64| {
+            let p = o + d * t;
+            (t >= f64::from(setup.slabs.t_min))
+                & (t <= f64::from(setup.slabs.t_max))
+                & (t.abs() < f64::INFINITY)
+                & (p.cmpge(lo).all() & p.cmple(hi).all())
+        };
+        let (first, second) = (counts(t0), counts(t1));
+        let t = (if first & (!second | (t0 < t1)) { t0 } else { t1 }) as f32;
+        let in_range = (t.abs() < f32::INFINITY) & (span.entry <= span.exit);
+        Hit::<f32>::new((first | second) & in_range, span.report(t), 0.0, 0.0)
+    }
+}
+
+impl<P: Lanes> Intersect<f32x8> for Double<P> {
+    type Setup = Approach<f32x8>;
+
+    #[inline(always)]
+    fn setup(ray: &Ray<f32x8>) -> Approach<f32x8> {
+        Approach::<f32x8>::of(ray)
+    }
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
+        let clip = self.clip.widen();
+        let span = Span::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+        let form = self.form.widen();
+        let (o, d) = (double8(ray.origin), double8(ray.dir));
+        let moved = to_f64x8(span.start(ray.origin, setup.back));
+        let at = |t: f64x8| [0, 1, 2].map(|axis| o[axis] + d[axis] * t);
+        let p = at(moved);
+
+        let g = form.half_gradient_f64(p);
+        let (squares, products) = (double8(form.squares), double8(form.products));
+        let [x, y, z] = d;
+        let a =
+            dot_f64x8(squares, [x * x, y * y, z * z]) + dot_f64x8(products, [y * z, z * x, x * y]) * f64x8::splat(2.0);
+        let b = dot_f64x8(d, g);
+        let h = double8(form.linear);
+        let c = dot_f64x8(p, [0, 1, 2].map(|axis| g[axis] + h[axis])) + to_f64x8(form.constant);
+        let root = sqrt_f64x8(b * b - a * c);
+        let q = -(b + sign_bit_f64x8(b).select(-root, root));
+        let (t0, t1) = (moved + q / a, moved + c / q);
+
+        let (lo, hi) = (double8(clip.lo), double8(clip.hi));
+        let (t_min, t_max) = (to_f64x8(setup.slabs.t_min), to_f64x8(setup.slabs.t_max));
+        let counts = |t: f64x8| -> Mask64 {
+            let p = at(t);
+            let within = |axis: usize| ge64(p[axis], lo[axis]) & le64(p[axis], hi[axis]);
+            ge64(t, t_min)
+                & le64(t, t_max)
+                & lt64(t.abs(), f64x8::splat(f64::INFINITY))
+                & (within(0) & within(1) & within(2))
+        };
+        let (first, second) = (counts(t0), counts(t1));
+        let t = to_f32x8((first & (!second | lt64(t0, t1))).select(t0, t1));
+        let in_range = lt8(t.abs(), f32x8::splat(f32::INFINITY)) & le8(span.entry, span.exit);
+        Hit::<f32x8>::new((first | second).narrow() & in_range, span.report(t), f32x8::ZERO, f32x8::ZERO)
+    }
+}

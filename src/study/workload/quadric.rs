@@ -1,0 +1,334 @@
+//! Quadrics.
+
+use glam::{Mat3, Vec2, Vec3};
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::{
+    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube, ray_from, steep,
+};
+use crate::geom::{Aabb, Quadric, Ray};
+
+/// Radius of the huge sphere: its square is exact, so that nothing is lost before the ray comes.
+const HUGE: f32 = 8192.0;
+
+impl Subject for Quadric {
+    const MESH: bool = false;
+
+    const REGIMES: &'static [Regime<Self>] = &[
+        Regime {
+            name: "afar",
+            about: "Spheres seen from ever farther away: the discriminant is a small difference of the distance's square.",
+            axis: "distance of the ray's origin / radius",
+            steps: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
+            mesh: false,
+            sample: |distance, rng| {
+                let radius = rng.random_range(0.5..2.0);
+                Sample::of(Quadric::sphere(radius), rng, |_, rng| {
+                    let target = direction(rng) * (radius * rng.random_range(0.0..1.5));
+                    ray_from(direction(rng) * (radius * distance), target, rng)
+                })
+            },
+        },
+        Regime {
+            name: "near_huge",
+            about: "Rays that start ever closer above a sphere of radius 8192 and hit it nearby, or leave it: the constant \
+                    cancels.",
+            axis: "height of the ray's origin",
+            steps: &[1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4],
+            mesh: false,
+            sample: |height, rng| {
+                Sample::of(Quadric::sphere(HUGE), rng, |_, rng| {
+                    let (origin, plane) = above(HUGE, height, rng);
+                    let side = if rng.random_bool(0.75) { -height } else { height };
+                    Ray::new(origin, steep(plane, rng) * (side / rng.random_range(0.5..8.0)))
+                })
+            },
+        },
+        Regime {
+            name: "inside",
+            about: "Rays from within a sphere in all directions, from its centre to ever closer below its surface: hits at next to \
+                    no distance must be told from those behind the ray.",
+            axis: "depth of the ray's origin / radius",
+            steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            mesh: false,
+            sample: |depth, rng| {
+                let radius = rng.random_range(0.5..2.0);
+                Sample::of(Quadric::sphere(radius), rng, |_, rng| {
+                    let origin = direction(rng) * (radius * (1.0 - depth));
+                    Ray::new(origin, direction(rng) * rng.random_range(0.25..2.0))
+                })
+            },
+        },
+        Regime {
+            name: "tangent",
+            about: "Rays that pass the silhouette of a sphere ever more closely, on both sides: the discriminant is nearly zero.",
+            axis: "distance of the ray from the silhouette / radius",
+            steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            mesh: false,
+            sample: |gap, rng| {
+                let radius = rng.random_range(0.5..2.0);
+                Sample::of(Quadric::sphere(radius), rng, |_, rng| {
+                    let side = if rng.random() { gap } else { -gap };
+                    let distance = rng.random_range(0.5..4.0);
+                    passing_ray(radius, 1.0 + side * rng.random_range(0.1..1.0), distance, rng)
+                })
+            },
+        },
+        Regime {
+            name: "parabolic",
+            about: "Rays along the inside or the outside of a paraboloid, ever more nearly parallel to its axis, and at last quite \
+                    so: the coefficient of t² goes to zero, and one root to infinity.",
+            axis: "angle between ray and axis, rad",
+            steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
+            mesh: false,
+            sample: |angle, rng| {
+                let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
+                Sample::of(Quadric::paraboloid(radius, height), rng, |_, rng| {
+                    let distance = rng.random_range(0.5..4.0);
+                    parabolic_ray([radius, height], angle, distance, rng)
+                })
+            },
+        },
+        Regime {
+            name: "generatrix",
+            about: "Rays through a cone, ever more nearly parallel to a line that lies within its surface, on the other side: the \
+                    coefficient of t² goes to zero by cancellation.",
+            axis: "angle between ray and generatrix, rad",
+            steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            mesh: false,
+            sample: |angle, rng| {
+                let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
+                let on_cone = |around: Vec2, share: f32| (around * radius).extend(height) * share;
+                Sample::of(Quadric::cone(radius, height), rng, |_, rng| {
+                    let (along, at) = loop {
+                        let (along, at) = (on_circle(rng), on_circle(rng));
+                        if along.dot(at) < 0.5 {
+                            break (along, at);
+                        }
+                    };
+                    let side = if rng.random() { 1.0 } else { -1.0 };
+                    let dir = on_cone(along, 1.0).normalize() * side + direction(rng) * angle;
+                    Ray::new(on_cone(at, rng.random_range(0.1..0.9)) - dir * rng.random_range(0.5..4.0), dir)
+                })
+            },
+        },
+        Regime {
+            name: "offset",
+            about: "Spheres that are moved not by a transform but by their coefficients, ever farther from the origin of their \
+                    coordinates: the constant swallows the radius.",
+            axis: "distance of the sphere from its origin of coordinates / radius",
+            // From 1e5 on an ulp of the centre's coordinates is a hundredth of the sphere.
+            steps: &[1.0, 3.0, 1e1, 3e1, 1e2, 3e2, 1e3, 3e3, 1e4],
+            mesh: false,
+            sample: |offset, rng| {
+                let (shape, center, radius) = moved_sphere(offset, rng);
+                Sample::of(shape, rng, |_, rng| {
+                    let target = center + direction(rng) * (radius * rng.random_range(0.0..1.5));
+                    ray_from(target + direction(rng) * rng.random_range(0.5..4.0), target, rng)
+                })
+            },
+        },
+        Regime {
+            name: "scale",
+            about: "Quadric and ray together, from tiny to huge: the discriminant, of the fourth degree, under- and overflows.",
+            axis: "size of quadric and distance",
+            steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
+            mesh: false,
+            sample: generic,
+        },
+    ];
+
+    const MAPS: &'static [FailureMap<Self>] = &[
+        FailureMap {
+            name: "distance-silhouette",
+            x: Axis { title: "distance of the ray's origin from a sphere / radius", start: 1.0, quarters: 20 },
+            y: Axis { title: "distance of the ray from the silhouette / radius", start: 1.0, quarters: -24 },
+            sample: |[distance, gap], rng| {
+                let radius = rng.random_range(0.5..2.0);
+                Sample::of(Quadric::sphere(radius), rng, |_, rng| {
+                    passing_ray(radius, 1.0 - gap * rng.random_range(0.5..1.0), distance * radius, rng)
+                })
+            },
+        },
+        FailureMap {
+            name: "distance-axis",
+            x: Axis { title: "distance of the ray's origin from a paraboloid / size", start: 1.0, quarters: 20 },
+            y: Axis { title: "angle between ray and axis, rad", start: 1.0, quarters: -24 },
+            sample: |[distance, angle], rng| {
+                let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
+                Sample::of(Quadric::paraboloid(radius, height), rng, |_, rng| {
+                    parabolic_ray([radius, height], angle, distance, rng)
+                })
+            },
+        },
+    ];
+
+    fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
+        match workload {
+            Workload::Generic => generic(1.0, rng),
+            Workload::Edge => {
+                if rng.random_bool(0.5) {
+                    exact_boundary(rng)
+                } else {
+                    free_boundary(rng)
+                }
+            }
+        }
+    }
+}
+
+/// A random direction in the plane, of unit length.
+fn on_circle(rng: &mut Pcg64) -> Vec2 {
+    loop {
+        let [x, y]: [f32; 2] = [0; 2].map(|_| rng.random_range(-1.0..1.0));
+        if (0.01..1.0).contains(&(x * x + y * y)) {
+            return Vec2::new(x, y).normalize();
+        }
+    }
+}
+
+/// Any of the kinds with a name, or an ellipsoid turned by its coefficients, of about this size.
+fn any_kind(size: f32, rng: &mut Pcg64) -> Quadric {
+    let axes = Vec3::from([0; 3].map(|_| size * rng.random_range(0.5..1.5)));
+    match rng.random_range(0..9) {
+        0 => Quadric::sphere(axes.x),
+        1 => Quadric::ellipsoid(axes),
+        2 => Quadric::cylinder(axes.x, axes.z),
+        3 => Quadric::cone(axes.x, axes.z),
+        4 => Quadric::paraboloid(axes.x, axes.z),
+        5 => Quadric::elliptic_paraboloid(axes.truncate(), axes.z),
+        6 => Quadric::hyperboloid_of_one_sheet(axes, axes.z * 1.5),
+        7 => Quadric::hyperboloid_of_two_sheets(axes, axes.z * 2.0),
+        _ => {
+            let own = Quadric::ellipsoid(axes);
+            let turn = frame(rng);
+            let Mat3 { x_axis: x, y_axis: y, z_axis: z } = turn * Mat3::from_diagonal(own.squares) * turn.transpose();
+            let half = Vec3::splat(own.clip.hi.max_element());
+            Quadric {
+                squares: Vec3::new(x.x, y.y, z.z),
+                products: Vec3::new(y.z + z.y, z.x + x.z, x.y + y.x),
+                clip: Aabb { lo: -half, hi: half },
+                ..own
+            }
+        }
+    }
+}
+
+/// A quadric of this size and rays into its box or past it, from a few sizes away.
+fn generic(size: f32, rng: &mut Pcg64) -> Sample<Quadric> {
+    Sample::of(any_kind(size, rng), rng, |shape, rng| {
+        let reach = if rng.random_bool(0.6) { 0.5 } else { 1.0 };
+        let target = shape.clip.center() + shape.clip.extent() * in_cube(rng, reach);
+        ray_from(target + direction(rng) * (size * rng.random_range(0.5..4.0)), target, rng)
+    })
+}
+
+/// A point that is about this high above a sphere, in spite of its rounding where that is possible, and the plane below it.
+fn above(radius: f32, height: f32, rng: &mut Pcg64) -> (Vec3, Mat3) {
+    let mut attempts = 0;
+    loop {
+        let plane = frame(rng);
+        let origin = plane.z_axis * (radius + height);
+        let actual = (origin.as_dvec3().length() - f64::from(radius)) / f64::from(height);
+        attempts += 1;
+        if (0.5..2.0).contains(&actual) || attempts == 64 {
+            return (origin, plane);
+        }
+    }
+}
+
+/// A ray that passes the middle of a sphere by `share` of its radius, from `distance` before it comes closest.
+fn passing_ray(radius: f32, share: f32, distance: f32, rng: &mut Pcg64) -> Ray<f32> {
+    let plane = frame(rng);
+    let dir = plane.x_axis;
+    let closest = plane.z_axis * (radius * share);
+    Ray::new(closest - dir * distance, dir * (distance / rng.random_range(0.5..8.0)))
+}
+
+/// A ray at the wall of a paraboloid, from below or from above, that makes this angle with the axis.
+fn parabolic_ray([radius, height]: [f32; 2], angle: f32, distance: f32, rng: &mut Pcg64) -> Ray<f32> {
+    let share = rng.random_range(0.1..0.9);
+    let target = (on_circle(rng) * (radius * share)).extend(height * share * share);
+    let dir = (on_circle(rng) * angle).extend(if rng.random() { 1.0 } else { -1.0 });
+    Ray::new(target - dir * distance, dir * (distance / rng.random_range(0.5..8.0)))
+}
+
+/// A sphere of about unit size at this distance from the origin, by its coefficients; its centre; its radius. What the
+/// coefficients mean once they are rounded is a sphere too, often of another size: one with a proper radius is chosen.
+fn moved_sphere(offset: f32, rng: &mut Pcg64) -> (Quadric, Vec3, f32) {
+    loop {
+        let center = direction(rng) * offset;
+        let squared = center.as_dvec3().length_squared();
+        let radius = rng.random_range(0.5..2.0);
+        let constant = (squared - f64::from(radius * radius)) as f32;
+        let squared_radius = (squared - f64::from(constant)) as f32;
+        if (0.25..4.0).contains(&squared_radius) {
+            let radius = squared_radius.sqrt();
+            let half = Vec3::splat(radius * 1.25);
+            let clip = Aabb { lo: center - half, hi: center + half };
+            let quadric = Quadric { squares: Vec3::ONE, products: Vec3::ZERO, linear: center * -2.0, constant, clip };
+            return (quadric, center, radius);
+        }
+    }
+}
+
+/// Sides of right triangles, the longest last.
+const TRIPLES: [[i32; 3]; 4] = [[3, 4, 5], [5, 12, 13], [8, 15, 17], [7, 24, 25]];
+
+/// A quadric through a point of whole coordinates, and rays whose answer hangs on an equality there: they are tangent, or
+/// meet a plane of the box, an apex, or an end of their interval.
+fn exact_boundary(rng: &mut Pcg64) -> Sample<Quadric> {
+    let whole = |rng: &mut Pcg64, range: i32| rng.random_range(-range..=range) as f32;
+    let [short, other, long] = TRIPLES[rng.random_range(0..TRIPLES.len())].map(|side| side as f32);
+    let sign = |rng: &mut Pcg64| if rng.random() { 1.0 } else { -1.0 };
+    let on_rim = Vec2::new(short * sign(rng), other * sign(rng));
+    let height = [1.0, 2.0, 4.0, 8.0][rng.random_range(0..4)];
+    let kind = rng.random_range(0..6);
+    let (shape, target) = match kind {
+        0 | 1 => (Quadric::sphere(long), on_rim.extend(0.0)),
+        2 => (Quadric::cylinder(long, height), on_rim.extend(height * sign(rng))),
+        3 => (Quadric::cone(long, long), on_rim.extend(long)),
+        4 => (Quadric::cone(long, long), Vec3::ZERO),
+        _ => (Quadric::paraboloid(long, height), on_rim.extend(height)),
+    };
+    Sample::of(shape, rng, |_, rng| {
+        let dir = loop {
+            let dir = if kind == 0 {
+                on_rim.perp().extend(whole(rng, 16))
+            } else {
+                Vec3::from([0; 3].map(|_| whole(rng, 16) / 8.0))
+            };
+            if dir != Vec3::ZERO {
+                break dir;
+            }
+        };
+        let steps = rng.random_range(1..=16) as f32;
+        let mut ray = Ray::new(target - dir * steps, dir);
+        if kind == 1 {
+            (ray.t_min, ray.t_max) = if rng.random() { (0.0, steps) } else { (steps, f32::INFINITY) };
+        }
+        ray
+    })
+}
+
+/// The same in any position, where the answer nearly hangs on an equality.
+fn free_boundary(rng: &mut Pcg64) -> Sample<Quadric> {
+    let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
+    let kind = rng.random_range(0..5);
+    let shape = match kind {
+        0 => Quadric::sphere(radius),
+        1 => Quadric::cylinder(radius, height),
+        2 | 3 => Quadric::cone(radius, height),
+        _ => Quadric::paraboloid(radius, height),
+    };
+    let rays = (0..RAYS_PER_SAMPLE).map(|_| {
+        let distance = rng.random_range(0.5..4.0);
+        if kind == 0 {
+            return passing_ray(radius, 1.0 + rng.random_range(-1e-6..1e-6), distance, rng);
+        }
+        let target = if kind == 3 { Vec3::ZERO } else { (on_circle(rng) * radius).extend(height) };
+        ray_from(target + direction(rng) * distance, target, rng)
+    });
+    Sample { rays: rays.collect(), shapes: vec![shape] }
+}
