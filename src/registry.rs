@@ -107,7 +107,7 @@ impl Registered for Placed<Triangle> {
 
 impl Registered for Placed<Quadric> {
     fn visit_kernels(visitor: &mut impl Visitor<Self>) {
-        ray_transforms::<Naive<f32>>(visitor);
+        ray_transforms::<Stable<f32>>(visitor);
     }
 }
 

@@ -19,6 +19,16 @@ const TRIANGLES: [&str; 9] = [
 const QUADRICS: [&str; 4] = ["naive", "stable", "mixed", "f64"];
 const BOXES: [&str; 5] = ["division", "reciprocal", "sign_selected", "fused", "padded"];
 
+const METHODS: [(&str, &str); 7] = [
+    ("inverse", "triangle/moller_trumbore"),
+    ("f64", "triangle/moller_trumbore"),
+    ("baked", "triangle/moller_trumbore"),
+    ("inverse", "aabb/padded"),
+    ("f64", "aabb/padded"),
+    ("inverse", "quadric/stable"),
+    ("f64", "quadric/stable"),
+];
+
 /// The kernels of a full registry.
 pub(super) fn all_ids() -> Vec<String> {
     let bases = || {
@@ -26,7 +36,9 @@ pub(super) fn all_ids() -> Vec<String> {
         let boxes = BOXES.iter().map(|name| format!("aabb/{name}"));
         triangles.chain(boxes).chain(QUADRICS.iter().map(|name| format!("quadric/{name}")))
     };
-    bases().chain(bases().map(|id| format!("instance/subtract_first/{id}"))).collect()
+    let instances = bases().map(|id| format!("instance/subtract_first/{id}"));
+    let methods = METHODS.iter().map(|(method, inner)| format!("instance/{method}/{inner}"));
+    bases().chain(instances).chain(methods).collect()
 }
 
 /// A record of the given kernels with plausible figures, differing from kernel to kernel.
@@ -122,7 +134,7 @@ fn regimes() -> Vec<RegimeRow> {
     };
     let scale: Vec<f64> = (-5..=5).map(|step| 10f64.powi(3 * step)).collect();
     let fans = [4.0, 16.0, 64.0, 256.0, 1024.0, 8192.0, 65_536.0].to_vec();
-    let rows: [(&str, &str, &str, Vec<f64>, bool); 20] = [
+    let rows: [(&str, &str, &str, Vec<f64>, bool); 23] = [
         ("triangle", "grazing", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
         ("triangle", "sliver", "length / height of the triangle", tens(1, 6), false),
         ("triangle", "offset", "distance from the origin / size", tens(0, 6), false),
@@ -149,6 +161,9 @@ fn regimes() -> Vec<RegimeRow> {
         ("quadric", "afar", "length of the ray / radius", tens(1, 6), false),
         ("quadric", "tangent", "distance from the silhouette / radius", tens(-1, -7), false),
         ("quadric", "scale", "size of quadric and ray (units)", scale, false),
+        ("instance of triangle", "translation", "distance from the origin / size", tens(0, 6), false),
+        ("instance of aabb", "translation", "distance from the origin / size", tens(0, 6), false),
+        ("instance of quadric", "translation", "distance from the origin / size", tens(0, 6), false),
     ];
     let row = |(family, name, axis, steps, mesh): (&str, &str, &str, Vec<f64>, bool)| RegimeRow {
         family: family.into(),
@@ -180,6 +195,7 @@ fn maps() -> Vec<MapRow> {
         map("triangle", "distance-grazing", "length of the ray / size", "1 / angle to the plane (1/rad)"),
         map("quadric", "distance-silhouette", "length of the ray / radius", "distance from the silhouette / radius"),
         map("aabb", "offset-distance", "distance from the origin / size", "length of the ray / size"),
+        map("instance of triangle", "translation-shear", "distance from the origin / size", "condition number"),
     ]
 }
 
@@ -241,9 +257,7 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
         record.claims.push(ClaimRow { id: id.into(), claim: (*claim).into(), claimed, violations, of: 100_000 });
     }
     let family = id.rsplit('/').nth(1).unwrap_or_default();
-    if id.starts_with("instance") {
-        return;
-    }
+    let family = if id.starts_with("instance") { format!("instance of {family}") } else { family.into() };
     for regime in record.regimes.iter().filter(|regime| regime.family == family) {
         let rows = regime.steps.iter().enumerate().map(|(step, _)| regime_row(regime, i, id, step));
         record.accuracy.extend(rows);

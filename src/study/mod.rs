@@ -113,12 +113,12 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: Vec::new(),
         map_cells: Vec::new(),
     };
-    accuracy.of::<Triangle>(0.0..0.4);
-    accuracy.of::<Aabb>(0.4..0.6);
-    accuracy.of::<Quadric>(0.6..0.85);
-    accuracy.of::<Placed<Triangle>>(0.85..0.9);
-    accuracy.of::<Placed<Aabb>>(0.9..0.95);
-    accuracy.of::<Placed<Quadric>>(0.95..1.0);
+    accuracy.of::<Triangle>(0.0..0.35);
+    accuracy.of::<Aabb>(0.35..0.5);
+    accuracy.of::<Quadric>(0.5..0.7);
+    accuracy.of::<Placed<Triangle>>(0.7..0.85);
+    accuracy.of::<Placed<Aabb>>(0.85..0.92);
+    accuracy.of::<Placed<Quadric>>(0.92..1.0);
 
     let mut tracer = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (512, 9) };
@@ -188,7 +188,7 @@ impl Accuracy<'_> {
                 self.rows.extend(kernels.on_regime(regime, severity, rays, self.seed));
             }
             self.regimes.push(RegimeRow {
-                family: S::FAMILY.into(),
+                family: S::title(),
                 name: regime.name.into(),
                 about: regime.about.into(),
                 axis: regime.axis.into(),
@@ -203,7 +203,7 @@ impl Accuracy<'_> {
             let (hits, cells) = kernels.on_map(map, rays, self.seed);
             self.map_cells.extend(cells);
             self.maps.push(MapRow {
-                family: S::FAMILY.into(),
+                family: S::title(),
                 name: map.name.into(),
                 x_axis: map.x.title.into(),
                 x: map.x.steps(),

@@ -69,8 +69,8 @@ pub struct SingularTransform {
 
 impl core::fmt::Display for SingularTransform {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Affine3 { matrix3, translation } = self.transform;
-        write!(f, "transform has no inverse: columns {matrix3}, translation {translation}")
+        let (columns, translation) = (self.transform.matrix3.to_cols_array_2d(), self.transform.translation.to_array());
+        write!(f, "transform has no inverse: columns {columns:?}, translation {translation:?}")
     }
 }
 
