@@ -1,40 +1,17 @@
 //! OBJ and MTL files: what is read, what is refused and with which words, and that nothing makes the loader panic.
 
+mod files;
 mod random;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::Vec3;
 use raylanes::geom::Aabb;
 use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
-use tempfile::TempDir;
 
+use files::{Files, is_short_line, mutate};
 use random::Random;
-
-/// A directory for one test's files.
-struct Files(TempDir);
-
-impl Files {
-    fn new() -> Self {
-        Self(TempDir::new().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        fs::write(&path, content).unwrap();
-        path
-    }
-
-    /// Takes the directory out of a message: it differs from run to run.
-    fn shorten(&self, message: &str) -> String {
-        message.replace(&format!("{}/", self.0.path().display()), "")
-    }
-}
 
 const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
 
@@ -249,51 +226,33 @@ fn broken_material_files_are_refused() {
     assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read y.obj/y.mtl: Not a directory");
 }
 
-/// Replaces, inserts, removes or repeats a few bytes, with a liking for those that mean something.
-fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
-    const PIECES: [&str; 24] = [
-        "\n",
-        " ",
-        "\\\n",
-        "#",
-        "/",
-        "-",
-        "0",
-        "9",
-        "e9",
-        ".",
-        "nan",
-        "inf",
-        "\r",
-        "\0",
-        "\u{e9}",
-        "v ",
-        "f ",
-        "l ",
-        "usemtl ",
-        "mtllib ",
-        "newmtl ",
-        "Kd ",
-        "99999999999999999999",
-        "\u{feff}",
-    ];
-    let mut bytes = text.as_bytes().to_vec();
-    for _ in 0..=random.below(4) {
-        let start = random.below(bytes.len() + 1);
-        let end = (start + random.below(6)).min(bytes.len());
-        match random.below(4) {
-            0 => drop(bytes.drain(start..end)),
-            1 => drop(bytes.splice(start..start, PIECES[random.below(PIECES.len())].bytes())),
-            2 => drop(bytes.splice(start..end, [random.below(256) as u8])),
-            _ => {
-                let copy = bytes[start..end].to_vec();
-                let to = random.below(bytes.len() + 1);
-                drop(bytes.splice(to..to, copy));
-            }
-        }
-    }
-    bytes
-}
+/// Pieces that mean something in such files.
+const PIECES: [&str; 24] = [
+    "\n",
+    " ",
+    "\\\n",
+    "#",
+    "/",
+    "-",
+    "0",
+    "9",
+    "e9",
+    ".",
+    "nan",
+    "inf",
+    "\r",
+    "\0",
+    "\u{e9}",
+    "v ",
+    "f ",
+    "l ",
+    "usemtl ",
+    "mtllib ",
+    "newmtl ",
+    "Kd ",
+    "99999999999999999999",
+    "\u{feff}",
+];
 
 #[test]
 fn mutilated_files_neither_panic_nor_make_invalid_meshes() {
@@ -304,8 +263,9 @@ fn mutilated_files_neither_panic_nor_make_invalid_meshes() {
     let mut random = Random(1);
     let (mut loaded, mut refused) = (0, 0);
     for _ in 0..20_000 {
-        let obj = files.write("x.obj", mutate(OBJ, &mut random));
-        let mtl = files.write("x.mtl", if random.below(2) == 0 { mutate(MTL, &mut random) } else { MTL.into() });
+        let obj = files.write("x.obj", mutate(OBJ, &PIECES, &mut random));
+        let mtl =
+            files.write("x.mtl", if random.below(2) == 0 { mutate(MTL, &PIECES, &mut random) } else { MTL.into() });
         match load_obj(&obj) {
             Ok((mesh, report)) => {
                 loaded += 1;
@@ -324,10 +284,6 @@ fn mutilated_files_neither_panic_nor_make_invalid_meshes() {
     }
     // Else one branch above was hardly tried.
     assert!(loaded > 2_000 && refused > 2_000, "{loaded} loaded, {refused} refused");
-}
-
-fn is_short_line(text: &str) -> bool {
-    !text.contains(char::is_control) && text.chars().count() < 400
 }
 
 /// The scenes that measurements are made with; they are not part of the project.

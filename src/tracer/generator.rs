@@ -195,7 +195,7 @@ mod tests {
         });
         assert_eq!(
             sums.map(|sum| format!("{sum:016x}")),
-            ["add189b8927fbd73", "dce403645e818f45", "04fdabc1199cc8d1", "?", "?"]
+            ["add189b8927fbd73", "dce403645e818f45", "04fdabc1199cc8d1", "b7445e44f45ad6e3", "d40ef114ee58d71b"]
         );
     }
 

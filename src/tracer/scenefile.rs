@@ -119,7 +119,7 @@ fn assemble(path: &Path, text: &str, size: Option<u32>) -> Result<LoadedScene, P
         let (span, camera) = (camera.span(), camera.get_ref());
         view.eye = camera.eye.0;
         view.look_at = camera.look_at.0;
-        view.vertical_fov = camera.field_of_view.0;
+        view.vertical_fov = camera.field_of_view.map_or(45.0, |degrees| degrees.0);
         view.transform = camera.transform.as_ref().map(chain).transpose()?;
         if (view.look_at - view.eye).try_normalize().is_none() {
             let message = format!("eye and look_at give no direction: {} and {}", view.eye, view.look_at);
@@ -267,8 +267,9 @@ impl<'a> Assembly<'a> {
             }
         };
         let transform = scatter.transform.as_ref().map_or(Ok(Affine3::IDENTITY), chain)?;
-        let lean = scatter.lean.0.into();
-        let variation = Variation { seed: scatter.seed, area, transform, scale, lean };
+        let seed = scatter.seed.map_or(0, |seed| seed.0);
+        let lean = scatter.lean.map_or(0.0, |lean| lean.0.into());
+        let variation = Variation { seed, area, transform, scale, lean };
         for index in 0..count {
             let Some(object_to_world) = variation.transform(index, ground) else {
                 return Err(fault(span, "hardly any ground in the area").into());

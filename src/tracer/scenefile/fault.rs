@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::tracer::error::{Error, quoted};
@@ -42,24 +43,26 @@ impl Fault {
     }
 }
 
-/// The innermost key of which the value, or else which itself, holds the byte at `place`, with all that lead to it.
+/// The innermost key that holds the byte at `place`, in itself or in its value, after all those that lead to it.
 fn key_at(table: &DeTable<'_>, place: usize) -> Option<String> {
     table.iter().find_map(|(key, value)| {
         let name = key.get_ref();
-        match within(value.get_ref(), place) {
+        match within(value, place) {
+            Some(inner) if inner.is_empty() => Some(name.to_string()),
             Some(inner) => Some(format!("{name}.{inner}")),
-            None => (value.span().contains(&place) || key.span().contains(&place)).then(|| name.to_string()),
+            None => key.span().contains(&place).then(|| name.to_string()),
         }
     })
 }
 
-/// The keys within a value; items of an array have none of their own.
-fn within(value: &DeValue<'_>, place: usize) -> Option<String> {
-    match value {
+/// The keys within a value that holds `place`. The items of an array have none of their own, but may each have a header.
+fn within(value: &Spanned<DeValue<'_>>, place: usize) -> Option<String> {
+    let inner = match value.get_ref() {
         DeValue::Table(table) => key_at(table, place),
-        DeValue::Array(items) => items.iter().find_map(|item| within(item.get_ref(), place)),
+        DeValue::Array(items) => items.iter().find_map(|item| within(item, place)),
         _ => None,
-    }
+    };
+    inner.or_else(|| value.span().contains(&place).then(String::new))
 }
 
 /// Messages of the parser quote the file, which may hold words of megabytes.

@@ -1,6 +1,7 @@
 //! What may stand in a scene file: one struct for each table, with the ranges of its numbers. `toml` refuses all else, and
 //! knows where.
 
+use std::fmt::Debug;
 use std::path::PathBuf;
 
 use glam::{Vec2, Vec3};
@@ -32,8 +33,7 @@ pub(super) struct SceneFile {
 pub(super) struct Camera {
     pub(super) eye: Point,
     pub(super) look_at: Point,
-    #[serde(default)]
-    pub(super) field_of_view: FieldOfView,
+    pub(super) field_of_view: Option<FieldOfView>,
     pub(super) transform: Option<Steps<Step3>>,
 }
 
@@ -121,6 +121,11 @@ struct Clip {
 impl QuadricTable {
     /// The surface, or what is missing or too much. Whether a ray can hit it is for the world to judge.
     pub(super) fn quadric(&self) -> Result<Quadric, &'static str> {
+        if let Some(Hyperboloid { semi_axes: [.., c], half_height }) = self.hyperboloid_of_two_sheets
+            && half_height.0 <= c.0
+        {
+            return Err("nothing is left of two sheets that begin beyond half_height, at the third semi-axis");
+        }
         let three = |[a, b, c]: [Length; 3]| Vec3::new(a.0, b.0, c.0);
         let named = [
             self.sphere.as_ref().map(|ball| Quadric::sphere(ball.radius.0)),
@@ -181,14 +186,12 @@ pub(super) struct Scatter {
     pub(super) of: Spanned<String>,
     /// Without it, the size of the built-in scene.
     pub(super) count: Option<Spanned<Count>>,
-    #[serde(default)]
-    pub(super) seed: u32,
+    pub(super) seed: Option<Seed>,
     pub(super) on: Option<Spanned<String>>,
     pub(super) area: Option<Spanned<Area>>,
     pub(super) transform: Option<Steps<Step3>>,
     pub(super) scale: Option<Spanned<[Length; 2]>>,
-    #[serde(default)]
-    pub(super) lean: Fraction,
+    pub(super) lean: Option<Fraction>,
     pub(super) color: Option<Color>,
     pub(super) checker: Option<Checker>,
 }
@@ -313,21 +316,12 @@ numbers! {
     Length(f32), "a number from 1e-15 to 1e15", |number| (1e-15..=1e15).contains(&number);
     Fraction(f32), "a number from 0 to 1", |number| (0.0..=1.0).contains(&number);
     FieldOfView(f32), "degrees from 1 to 170", |number| (1.0..=170.0).contains(&number);
+    Seed(u32), "a whole number from 0 to 4294967295", |number| {
+        (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0
+    };
     Count(u32), "a whole number from 1 to 10000000", |number| {
         (1.0..=f64::from(MOST)).contains(&number) && number.fract() == 0.0
     };
-}
-
-impl Default for FieldOfView {
-    fn default() -> Self {
-        Self(45.0)
-    }
-}
-
-impl Default for Fraction {
-    fn default() -> Self {
-        Self(0.0)
-    }
 }
 
 /// Reads a number, with or without a point, if it is accepted.
@@ -344,20 +338,24 @@ impl Visitor<'_> for Number {
     }
 
     fn visit_f64<E: Error>(self, number: f64) -> Result<f64, E> {
-        self.check(number, Unexpected::Float(number))
+        self.check(number, number)
     }
 
     fn visit_i64<E: Error>(self, number: i64) -> Result<f64, E> {
-        self.check(number as f64, Unexpected::Signed(number))
+        self.check(number as f64, number)
     }
 
     fn visit_u64<E: Error>(self, number: u64) -> Result<f64, E> {
-        self.check(number as f64, Unexpected::Unsigned(number))
+        self.check(number as f64, number)
     }
 }
 
 impl Number {
-    fn check<E: Error>(&self, number: f64, found: Unexpected<'_>) -> Result<f64, E> {
-        if (self.accepts)(number) { Ok(number) } else { Err(E::invalid_value(found, self)) }
+    /// The number, if it is accepted; `found` is how the file has it.
+    fn check<E: Error>(&self, number: f64, found: impl Debug) -> Result<f64, E> {
+        if (self.accepts)(number) {
+            return Ok(number);
+        }
+        Err(E::invalid_value(Unexpected::Other(&format!("`{found:?}`")), self))
     }
 }
