@@ -2,7 +2,7 @@
 
 use glam::{Affine3, Mat3, Quat, Vec2, Vec3};
 use raylanes::geom::{Aabb, Quadric, Ray, Triangle};
-use raylanes::tracer::{Geometry, Mesh, Paint, Part, Placement, SceneSource, World};
+use raylanes::tracer::{Geometry, Mesh, Part, Placement, SceneSource, World};
 
 use crate::random::Random;
 
@@ -82,58 +82,6 @@ pub(crate) fn transform(random: &mut Random, reach: f32) -> Affine3 {
     };
     let far = pick(random, &[0.0, 1.0, 1.0, 1.0, 1e3]);
     Affine3 { matrix3: linear, translation: vec3(random) * reach * far }
-}
-
-fn place(geometry: usize, object_to_world: Affine3) -> Placement {
-    Placement { geometry: geometry as u32, object_to_world, paint: Paint::Own }
-}
-
-/// Everything, everywhere, some of it several times in the same place.
-pub(crate) fn scattered(seed: u64, count: usize) -> World {
-    let mut random = Random(seed);
-    let geometries = geometries(&mut random);
-    let mut instances = vec![place(0, Affine3::IDENTITY)];
-    while instances.len() < count {
-        let instance = match random.below(6) {
-            0 => instances[random.below(instances.len())],
-            1 => place(random.below(geometries.len()), instances[random.below(instances.len())].object_to_world),
-            _ => place(random.below(geometries.len()), transform(&mut random, 8.0)),
-        };
-        instances.push(instance);
-    }
-    World::new(geometries, instances).unwrap()
-}
-
-/// Instances that are the same in the world but for rounding: cubes and squares of different sizes, each scaled to size 1,
-/// stretched, turned upon themselves, mirrored and far from the origin. Their faces lie in the sides of their boxes, and each
-/// other's.
-pub(crate) fn coincident(seed: u64, count: usize) -> World {
-    let mut random = Random(seed);
-    let sizes = [Vec3::ONE, Vec3::splat(3.0), Vec3::splat(0.7), Vec3::splat(1e-3), Vec3::new(0.3, 1.1, 17.0)];
-    let flats = sizes.map(|size| cuboid(size * Vec3::new(1.0, 1.0, 0.0)));
-    let geometries = sizes.map(cuboid).into_iter().chain(flats).map(Geometry::Mesh).collect();
-    let centers = [Vec3::ZERO, vec3(&mut random), vec3(&mut random) * 1e6];
-    let instances = (0..count)
-        .map(|_| {
-            let kind = random.below(sizes.len());
-            let scale = Mat3::from_diagonal(Vec3::ONE / sizes[kind]);
-            let turn = pick(
-                &mut random,
-                &[
-                    Mat3::IDENTITY,
-                    Mat3::from_cols(Vec3::Y, Vec3::NEG_X, Vec3::Z),
-                    Mat3::from_cols(Vec3::NEG_X, Vec3::Y, Vec3::Z),
-                    Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X),
-                    // A shear within the plane of the squares, and one out of it.
-                    Mat3::from_cols(Vec3::X, Vec3::new(1.3, 1.0, 0.0), Vec3::Z),
-                    Mat3::from_cols(Vec3::X, Vec3::new(0.0, 1.0, 0.7), Vec3::Z),
-                ],
-            );
-            let translation = pick(&mut random, &centers);
-            place(kind + sizes.len() * random.below(2), Affine3 { matrix3: turn * scale, translation })
-        })
-        .collect();
-    World::new(geometries, instances).unwrap()
 }
 
 /// A point of the object: at a vertex, on an edge or inside of a triangle, with one of its edges; somewhere in a quadric's box.
