@@ -189,7 +189,7 @@ mod quadrics {
         add(bowl, v(0.0, 0.0, -9.0), Vec3::Z, Some(7.0));
         add(bowl, v(-9.0, 0.0, 1.0), Vec3::X, None);
         add(Quadric::cylinder(2.0, 2.0), v(-4.0, 0.0, -6.0), v(1.0, 0.0, 1.0), Some(6.0));
-        add(Quadric::cylinder(2.0, 2.0), v(0.0, 0.0, -6.0), v(1.0, 0.0, 4.0), None);
+        add(Quadric::cylinder(2.0, 2.0), v(0.0, 0.0, -6.0), v(1.0, 0.0, 5.0), None);
         // A cone has two halves, of which the box keeps one.
         add(Quadric::cone(2.0, 4.0), v(5.0, 0.0, -2.0), Vec3::NEG_X, None);
 
