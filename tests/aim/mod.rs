@@ -304,7 +304,7 @@ impl Aimed for Quadric {
         });
         let inverted =
             (named(), point(), point()).prop_map(|(quadric, lo, hi)| Quadric { clip: Aabb { lo, hi }, ..quadric });
-        prop_oneof![9 => named(), 5 => general(), 1 => unclipped, 1 => inverted].boxed()
+        prop_oneof![15 => named(), 4 => general(), 1 => unclipped, 1 => inverted].boxed()
     }
 
     /// Two coordinates are where the weights say within the box, the third where the surface is, if it is anywhere there.

@@ -3,8 +3,8 @@
 //! **Source:** as `quadric/stable`; which operations need the digits is our own measurement.
 //!
 //! **Idea:** what cancels is the coefficients and the discriminant. Products of `f32` are exact in `f64`, so these sums
-//! lose next to nothing there; root and quotients keep whatever digits they are given, and are three times as fast
-//! in `f32`.
+//! lose next to nothing there. Root and quotients keep whatever digits they are given: `quadric/f64`, which computes them in
+//! `f64` too, and the box's cut, takes 1.6 times as long for eight rays (Zen 4).
 //!
 //! **Differs from `quadric/stable`:** from within the box the origin is not moved, since the move's own rounding is what
 //! short distances would lose; and the polynomial stays about 0, where `f64` has digits to spare.
