@@ -184,7 +184,7 @@ mod tests {
         let record = record_of(&all_ids());
         let charts = charts(&record);
         let groups = groups(&record);
-        assert_eq!(charts.len(), 2 + record.regimes.len() + 2);
+        assert_eq!(charts.len(), 2 + record.regimes.len() + 3);
         for chart in &charts {
             sound(chart);
             let shown = groups.iter().filter(|group| match chart.file.as_str() {
@@ -193,7 +193,7 @@ mod tests {
                 file => group.is_base() && file.contains(group.shape),
             });
             let kernels: Vec<_> = shown.flat_map(|group| &group.kernels).collect();
-            assert!(kernels.len() >= 5, "{}", chart.file);
+            assert!(kernels.len() >= 4, "{}", chart.file);
             for kernel in kernels {
                 assert!(chart.svg.contains(&format!(">\n{}\n<", kernel.name)), "{}: {}", chart.file, kernel.name);
             }
