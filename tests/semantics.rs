@@ -7,7 +7,7 @@ mod aim;
 use glam::Vec3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use raylanes::geom::{Hit, Placed, Ray, Triangle};
+use raylanes::geom::{Hit, Placed, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 
@@ -138,5 +138,172 @@ mod instances {
             let prepared = Instance::<MollerTrumbore<f32>>::prepare(&Placed { shape: TRIANGLE, object_to_world });
             assert!(!Intersect::<f32>::hit(&prepared, &ray(v(0.25, 0.25, -1.0), Vec3::Z)).mask);
         }
+    }
+}
+
+mod quadrics {
+    use super::*;
+    use glam::Vec2;
+    use raylanes::geom::Aabb;
+    use raylanes::kernels::aabb::Padded;
+
+    /// A surface, a ray, and where it hits, if it does.
+    type Known = (Quadric, Ray<f32>, Option<f32>);
+
+    /// The eight kinds from outside, from inside, and past what is cut away; distances are whole numbers.
+    fn known() -> Vec<Known> {
+        let abc = v(2.0, 3.0, 4.0);
+        let bowl = Quadric { clip: Aabb { lo: Vec3::splat(-3.0), hi: v(3.0, 3.0, 0.0) }, ..Quadric::sphere(2.0) };
+        let nothing = Quadric { squares: Vec3::ZERO, constant: 0.0, ..Quadric::sphere(2.0) };
+        let plane = Quadric { linear: Vec3::Z, ..nothing };
+        let saddle = Quadric { products: Vec3::Z, linear: Vec3::NEG_Z, ..nothing };
+        let unclipped = Aabb { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
+        let mut known = Vec::new();
+        let mut add = |quadric, origin, dir, t| known.push((quadric, ray(origin, dir), t));
+
+        add(Quadric::sphere(2.0), v(-5.0, 0.0, 0.0), Vec3::X, Some(3.0));
+        add(Quadric::sphere(2.0), Vec3::ZERO, v(0.0, 0.0, -2.0), Some(1.0));
+        add(Quadric::ellipsoid(abc), v(0.0, -9.0, 0.0), Vec3::Y, Some(6.0));
+        add(Quadric::ellipsoid(abc), Vec3::ZERO, Vec3::Z, Some(4.0));
+        add(Quadric::cylinder(2.0, 5.0), v(5.0, 0.0, 5.0), Vec3::NEG_X, Some(3.0));
+        add(Quadric::cylinder(2.0, 5.0), v(0.0, 0.0, 4.0), Vec3::Y, Some(2.0));
+        add(Quadric::cone(2.0, 4.0), v(5.0, 0.0, 2.0), Vec3::NEG_X, Some(4.0));
+        add(Quadric::cone(2.0, 4.0), v(0.0, 0.0, 2.0), Vec3::NEG_Y, Some(1.0));
+        add(Quadric::cone(2.0, 4.0), v(0.0, 0.0, 3.0), Vec3::NEG_Z, Some(3.0));
+        add(Quadric::paraboloid(2.0, 4.0), v(5.0, 0.0, 1.0), Vec3::NEG_X, Some(4.0));
+        add(Quadric::paraboloid(2.0, 4.0), v(1.0, 0.0, 9.0), Vec3::NEG_Z, Some(8.0));
+        add(Quadric::paraboloid(2.0, 4.0), v(1.0, 0.0, -2.0), Vec3::Z, Some(3.0));
+        add(Quadric::elliptic_paraboloid(Vec2::new(2.0, 3.0), 4.0), v(5.0, 0.0, 1.0), Vec3::NEG_X, Some(4.0));
+        add(Quadric::elliptic_paraboloid(Vec2::new(2.0, 3.0), 4.0), v(0.0, 0.0, 4.0), Vec3::NEG_Z, Some(4.0));
+        add(Quadric::hyperboloid_of_one_sheet(abc, 8.0), v(9.0, 0.0, 0.0), Vec3::NEG_X, Some(7.0));
+        add(Quadric::hyperboloid_of_one_sheet(abc, 8.0), Vec3::ZERO, Vec3::Y, Some(3.0));
+        add(Quadric::hyperboloid_of_two_sheets(abc, 8.0), Vec3::ZERO, Vec3::Z, Some(4.0));
+        add(Quadric::hyperboloid_of_two_sheets(abc, 8.0), v(0.0, 0.0, 20.0), Vec3::NEG_Z, Some(16.0));
+        add(saddle, v(1.5, 2.0, 9.0), Vec3::NEG_Z, None);
+        add(Quadric { clip: unclipped, ..saddle }, v(1.5, 2.0, 9.0), Vec3::NEG_Z, Some(6.0));
+
+        // The nearer root is cut away, the farther one is not, or is too.
+        add(bowl, v(0.0, 0.0, 9.0), Vec3::NEG_Z, Some(11.0));
+        add(bowl, v(0.0, 0.0, -9.0), Vec3::Z, Some(7.0));
+        add(bowl, v(-9.0, 0.0, 1.0), Vec3::X, None);
+        add(Quadric::cylinder(2.0, 2.0), v(-4.0, 0.0, -6.0), v(1.0, 0.0, 1.0), Some(6.0));
+        add(Quadric::cylinder(2.0, 2.0), v(0.0, 0.0, -6.0), v(1.0, 0.0, 4.0), None);
+        // A cone has two halves, of which the box keeps one.
+        add(Quadric::cone(2.0, 4.0), v(5.0, 0.0, -2.0), Vec3::NEG_X, None);
+
+        // Within a plane, along a cylinder, and where there is no surface at all.
+        add(plane, v(-9.0, 0.0, 0.0), Vec3::X, None);
+        add(plane, v(0.0, 0.0, -9.0), Vec3::Z, Some(9.0));
+        add(Quadric::cylinder(2.0, 5.0), v(0.5, 0.0, -9.0), Vec3::Z, None);
+        add(Quadric::cylinder(2.0, 5.0), v(2.0, 0.0, -9.0), Vec3::Z, None);
+        add(nothing, v(0.0, 0.0, -9.0), Vec3::Z, None);
+        add(Quadric { constant: 1.0, ..nothing }, v(0.0, 0.0, -9.0), Vec3::Z, None);
+        add(Quadric { clip: Aabb::EMPTY, ..Quadric::sphere(2.0) }, v(-5.0, 0.0, 0.0), Vec3::X, None);
+        add(Quadric { constant: f32::NEG_INFINITY, ..Quadric::sphere(2.0) }, v(-5.0, 0.0, 0.0), Vec3::X, None);
+
+        // Intervals are closed, and may lie behind the origin.
+        let sphere = |origin, t_min, t_max, t| (Quadric::sphere(2.0), Ray { t_min, t_max, ..ray(origin, Vec3::X) }, t);
+        let origin = v(-5.0, 0.0, 0.0);
+        known.extend([
+            sphere(origin, 0.0, 3.0, Some(3.0)),
+            sphere(origin, 3.0, 3.0, Some(3.0)),
+            sphere(origin, 0.0, 2.999_999_8, None),
+            sphere(origin, 3.000_000_2, 9.0, Some(7.0)),
+            sphere(origin, 7.0, 7.0, Some(7.0)),
+            sphere(origin, 7.000_000_5, f32::INFINITY, None),
+            sphere(-origin, f32::NEG_INFINITY, f32::INFINITY, Some(-7.0)),
+            sphere(-origin, -6.0, 9.0, Some(-3.0)),
+            sphere(-origin, 0.0, 9.0, None),
+        ]);
+        known
+    }
+
+    struct AtKnownPoints;
+    impl Visitor<Quadric> for AtKnownPoints {
+        fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
+            for (quadric, ray, expected) in known() {
+                let hit: Hit<f32> = K::prepare(&quadric).hit(&ray);
+                let case = format!("{}: {quadric:?} {ray:?}: {hit:?}, not {expected:?}", K::INFO.id);
+                assert_eq!(hit.mask, expected.is_some(), "{case}");
+                assert!(hit.u == 0.0 && hit.v == 0.0, "{case}");
+                if let Some(t) = expected {
+                    assert!((hit.t - t).abs() <= t.abs() * f32::EPSILON, "{case}");
+                    assert!(quadric.value(ray.at(hit.t)).abs() <= 4.0 * f32::EPSILON, "{case}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_kinds_are_hit_at_known_points() {
+        registry::quadrics(&mut AtKnownPoints);
+    }
+
+    /// A small grid of rays at a sphere `distance` radii away, all within it.
+    fn from_afar(distance: f32) -> impl Iterator<Item = Ray<f32>> {
+        let steps = || (-8i8..=8).map(|step| f32::from(step) / 16.0);
+        steps().flat_map(move |x| steps().map(move |y| (x, y))).flat_map(move |(x, y)| {
+            let target = v(x, y, y - x);
+            [v(0.3, 0.7, 1.1), v(-1.0, 0.0, 0.0), v(0.9, -0.1, 0.2)].map(|dir| ray(target - dir * distance, dir))
+        })
+    }
+
+    struct FromAfar;
+    impl Visitor<Quadric> for FromAfar {
+        fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
+            // Its roots are further from the box than the padding.
+            if K::INFO.id.method == "quadric/naive" {
+                return;
+            }
+            let sphere = K::prepare(&Quadric::sphere(1.3));
+            for distance in [1e1, 1e3, 1e5] {
+                for ray in from_afar(distance) {
+                    let hit: Hit<f32> = sphere.hit(&ray);
+                    assert!(hit.mask, "{}: cut away {ray:?}", K::INFO.id);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_does_not_cut_what_it_contains() {
+        registry::quadrics(&mut FromAfar);
+    }
+
+    struct WithinBoxes {
+        clamped: u64,
+    }
+    impl Visitor<Quadric> for WithinBoxes {
+        fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
+            let mut check = |quadric: &Quadric, ray: &Ray<f32>| {
+                let hit: Hit<f32> = K::prepare(quadric).hit(ray);
+                if hit.mask {
+                    let padded: Hit<f32> = Padded::prepare(&quadric.bounds()).hit(ray);
+                    assert!(padded.mask, "{}: outside of its box {quadric:?} {ray:?}", K::INFO.id);
+                    let (entry, exit) = (padded.t, padded.u);
+                    let id = K::INFO.id;
+                    assert!(entry <= hit.t && hit.t <= exit, "{id}: {hit:?}, box {padded:?} {quadric:?} {ray:?}");
+                    // The clamp was needed, or could as well have been.
+                    self.clamped += u64::from(hit.t == entry && entry > ray.t_min);
+                }
+            };
+            let mut runner = TestRunner::new(Config { rng_seed: RngSeed::Fixed(9), ..Config::default() });
+            let strategy = aim::cases::<Quadric>();
+            for _ in 0..2_000 {
+                let case = strategy.new_tree(&mut runner).unwrap().current();
+                case.rays.iter().for_each(|ray| check(&case.shapes[0], ray));
+            }
+            for distance in [1e4, 1e5] {
+                from_afar(distance).for_each(|ray| check(&Quadric::sphere(1.3), &ray));
+            }
+        }
+    }
+
+    #[test]
+    fn no_hit_comes_before_a_box_is_entered() {
+        let mut within = WithinBoxes { clamped: 0 };
+        registry::quadrics(&mut within);
+        println!("{} hits at the entry of their box", within.clamped);
+        assert!(within.clamped > 100, "only {} hits at the entry of their box", within.clamped);
     }
 }

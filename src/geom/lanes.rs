@@ -534,6 +534,35 @@ mod tests {
         same_masks("accepts", |a, b| accepts(-1.0, a, b), |a, b| accepts8(f32x8::splat(-1.0), a, b));
     }
 
+    #[test]
+    fn square_roots_and_powers_of_two_agree() {
+        for a in SHARP {
+            let (root, power) = (sqrt(a), power_of_two(a));
+            for lane in sqrt8(f32x8::splat(a)).to_array() {
+                assert!(
+                    lane.to_bits() == root.to_bits() || (lane.is_nan() && root.is_nan()),
+                    "{a:?}: {lane:?}, {root:?}"
+                );
+            }
+            for lane in power_of_two8(f32x8::splat(a)).to_array() {
+                assert_eq!(lane.to_bits(), power.to_bits(), "{a:?}");
+            }
+            let a = f64::from(a);
+            let root = sqrt_f64(a);
+            for lane in sqrt_f64x8(f64x8::splat(a)).to_array() {
+                assert!(
+                    lane.to_bits() == root.to_bits() || (lane.is_nan() && root.is_nan()),
+                    "{a:?}: {lane:?}, {root:?}"
+                );
+            }
+        }
+        // The nearest of all numbers: the squares of its neighbours' midpoints enclose 2.
+        assert_eq!((sqrt(2.0), sqrt_f64(2.0)), (core::f32::consts::SQRT_2, core::f64::consts::SQRT_2));
+        assert_eq!((sqrt(9.0), sqrt(-0.0).to_bits(), sqrt(-1e-45).is_nan()), (3.0, 1 << 31, true));
+        assert_eq!([3.9, -4.0, 1e-45, -0.0, f32::MAX].map(power_of_two), [2.0, 4.0, 0.0, 0.0, 2f32.powi(127)]);
+        assert_eq!([f32::INFINITY, f32::NAN].map(power_of_two), [f32::INFINITY; 2]);
+    }
+
     #[cfg(fused)]
     #[test]
     fn multiply_add_rounds_once_in_both_twins() {
@@ -574,6 +603,16 @@ mod tests {
             let (a8, b8) = (f64x8::splat(a), f64x8::splat(b));
             assert_eq!(le64(a8, b8).narrow().bits(), if a <= b { 0xff } else { 0 });
             assert_eq!(ge64(a8, b8).narrow().bits(), if a >= b { 0xff } else { 0 });
+            assert_eq!(lt64(a8, b8).narrow().bits(), if a < b { 0xff } else { 0 });
+            assert_eq!((!lt64(a8, b8) | lt64(b8, a8)).narrow().bits(), if a < b { 0 } else { 0xff });
+            let (least, expected) = (lt64(a8, b8).select(a8, b8), if a < b { a } else { b });
+            assert!(least.to_array().iter().all(|lane| lane.to_bits() == expected.to_bits()), "{a:?}, {b:?}");
+        }
+        for a in SHARP64 {
+            let expected = if a.is_sign_negative() { 0xff } else { 0 };
+            assert_eq!(sign_bit_f64x8(f64x8::splat(a)).narrow().bits(), expected, "{a:?}");
+            let signed = sign_bit_f64x8(f64x8::splat(a)).select(f64x8::splat(1.0), f64x8::splat(2.0)).to_array();
+            assert_eq!(signed, [if a.is_sign_negative() { 1.0 } else { 2.0 }; 8], "{a:?}");
         }
         let lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, f64::NAN];
         let (low, high) = (ge64(f64x8::new(lanes), f64x8::splat(2.0)), le64(f64x8::new(lanes), f64x8::splat(5.0)));

@@ -109,7 +109,7 @@ pub struct Operations {
     pub mul: u32,
     /// Additions and subtractions.
     pub add: u32,
-    /// Divisions.
+    /// Divisions and square roots.
     pub div: u32,
 }
 

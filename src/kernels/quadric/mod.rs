@@ -32,11 +32,11 @@ pub use naive::Naive;
 pub use stable::Stable;
 
 use glam::{DMat3, DVec3, Vec3};
-use wide::f32x8;
+use wide::{f32x8, f64x8};
 
 use crate::geom::lanes::{
-    DVec3x8, Lanes, Mask8, Vec3x8, accepts, accepts8, double8, ge8, le8, lt8, max, max8, min, min8, power_of_two,
-    power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8,
+    DVec3x8, Lanes, Mask8, Vec3x8, accepts, accepts8, dot_f64x8, double8, ge8, le8, lt8, max, max8, min, min8,
+    power_of_two, power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8,
 };
 use crate::geom::{Aabb, Hit, Quadric, Ray};
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
@@ -168,10 +168,6 @@ pub struct Approach<L: Lanes> {
     back: L::Vec3,
     /// `dir / unit`.
     dir: L::Vec3,
-    /// x², y² and z² of that.
-    squares: L::Vec3,
-    /// 2yz, 2zx and 2xy of that.
-    products: L::Vec3,
     /// A power of two of the magnitude of `dir`: dividing by it rounds nothing, and squares neither over- nor underflow.
     unit: L,
     /// `1 / unit`.
@@ -190,15 +186,7 @@ impl Approach<f32> {
         let unit = min(max(unit, f32::MIN_POSITIVE), GREATEST_UNIT);
         let inv_unit = 1.0 / unit;
         let d = ray.dir * inv_unit;
-        Self {
-            slabs: InverseDirection::<f32>::of(ray),
-            back: d * (-1.0 / d.dot(d) * inv_unit),
-            dir: d,
-            squares: Vec3::new(d.x * d.x, d.y * d.y, d.z * d.z),
-            products: Vec3::new(2.0 * d.y * d.z, 2.0 * d.z * d.x, 2.0 * d.x * d.y),
-            unit,
-            inv_unit,
-        }
+        Self { slabs: InverseDirection::<f32>::of(ray), back: d * (-1.0 / d.dot(d) * inv_unit), dir: d, unit, inv_unit }
     }
 }
 
@@ -211,13 +199,10 @@ impl Approach<f32x8> {
         let unit = min8(max8(unit, f32x8::splat(f32::MIN_POSITIVE)), f32x8::splat(GREATEST_UNIT));
         let inv_unit = f32x8::ONE / unit;
         let d = ray.dir * inv_unit;
-        let two = f32x8::splat(2.0);
         Self {
             slabs: InverseDirection::<f32x8>::of(ray),
             back: d * (-f32x8::ONE / d.dot(d) * inv_unit),
             dir: d,
-            squares: Vec3x8 { x: d.x * d.x, y: d.y * d.y, z: d.z * d.z },
-            products: Vec3x8 { x: two * d.y * d.z, y: two * d.z * d.x, z: two * d.x * d.y },
             unit,
             inv_unit,
         }
@@ -286,6 +271,19 @@ impl Form<f32> {
             m.y * p.x + m.x * p.y + s.z * p.z + h.z,
         )
     }
+
+    /// `d·Md`: what t² is multiplied by.
+    #[inline(always)]
+    fn curvature(&self, d: Vec3) -> f32 {
+        self.squares.dot(d * d) + self.products.dot(Vec3::new(d.y * d.z, d.z * d.x, d.x * d.y)) * 2.0
+    }
+
+    /// [`Form::curvature`] in `f64`.
+    #[inline(always)]
+    fn curvature_f64(&self, d: DVec3) -> f64 {
+        let (squares, products) = (self.squares.as_dvec3(), self.products.as_dvec3());
+        squares.dot(d * d) + products.dot(DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y)) * 2.0
+    }
 }
 
 impl Form<f32x8> {
@@ -321,6 +319,20 @@ impl Form<f32x8> {
             my * p[0] + mx * p[1] + sz * p[2] + hz,
         ]
     }
+
+    /// [`Form::<f32>::curvature`] in eight lanes.
+    #[inline(always)]
+    fn curvature(&self, Vec3x8 { x, y, z }: Vec3x8) -> f32x8 {
+        let squares = self.squares.dot(Vec3x8 { x: x * x, y: y * y, z: z * z });
+        squares + self.products.dot(Vec3x8 { x: y * z, y: z * x, z: x * y }) * f32x8::splat(2.0)
+    }
+
+    /// [`Form::<f32>::curvature_f64`] in eight lanes.
+    #[inline(always)]
+    fn curvature_f64(&self, [x, y, z]: DVec3x8) -> f64x8 {
+        let (squares, products) = (double8(self.squares), double8(self.products));
+        dot_f64x8(squares, [x * x, y * y, z * z]) + dot_f64x8(products, [y * z, z * x, x * y]) * f64x8::splat(2.0)
+    }
 }
 
 impl<P: Lanes> Form<P> {
@@ -335,11 +347,10 @@ impl<P: Lanes> Form<P> {
     }
 }
 
-/// The roots of `a·t² + 2b·t + c`, in no order; those that are infinite or NaN are none. The sum in `q` never cancels. Where
+/// The roots of `a·t² + 2b·t + c` with the discriminant `b² - a·c`, in no order; those that are infinite or NaN are none. The sum in `q` never cancels. Where
 /// `a` is zero, `c/q` is the one root, without a case of its own; where `b` is zero too there is none.
 #[inline(always)]
-fn roots(a: f32, b: f32, c: f32) -> [f32; 2] {
-    let discriminant = b * b - a * c;
+fn roots(discriminant: f32, a: f32, b: f32, c: f32) -> [f32; 2] {
     // An infinite q would make c/q a root at 0.
     let root = if discriminant < f32::INFINITY { sqrt(discriminant) } else { f32::NAN };
     let q = -(b + if sign_bit(b) { -root } else { root });
@@ -348,8 +359,7 @@ fn roots(a: f32, b: f32, c: f32) -> [f32; 2] {
 
 /// [`roots`] in eight lanes.
 #[inline(always)]
-fn roots8(a: f32x8, b: f32x8, c: f32x8) -> [f32x8; 2] {
-    let discriminant = b * b - a * c;
+fn roots8(discriminant: f32x8, a: f32x8, b: f32x8, c: f32x8) -> [f32x8; 2] {
     let finite = lt8(discriminant, f32x8::splat(f32::INFINITY));
     let root = finite.select(sqrt8(discriminant), f32x8::splat(f32::NAN));
     let q = -(b + sign_bit8(b).select(-root, root));

@@ -17,7 +17,7 @@
 //! **Degenerate input:** where `a` is exactly zero the equation is linear. Where `b` is zero too, the ray runs within the
 //! surface or nowhere near it, and misses: its root is infinite or NaN.
 //!
-//! **Operations:** 60 multiplications, 34 additions, 3 divisions, 1 square root, of which 12 and 6 are the box's; setup 3
+//! **Operations:** 60 multiplications, 34 additions, 3 divisions, 1 square root, of which 10 and 6 are the box's; setup 3
 //! divisions. 64 bytes prepared.
 
 use glam::Vec3;
