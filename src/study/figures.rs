@@ -16,6 +16,8 @@ pub(super) struct Group<'a> {
     pub(super) title: String,
     /// What all IDs begin with; a whole number of their parts, with the last slash.
     pub(super) prefix: String,
+    /// The title, or, of instances that all have one kernel inside, which one: `instance of triangle/moller_trumbore`.
+    pub(super) subject: String,
     /// What is hit in the end: `triangle`.
     pub(super) shape: &'a str,
     /// What [`Figures::lost`] counts.
@@ -193,6 +195,9 @@ fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a KernelRow>)
 fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernels: &[&'a KernelRow]) -> Group<'a> {
     let title = inner.map_or(family.to_owned(), |inner| format!("{family} of {inner}"));
     let shape = inner.unwrap_or(family);
+    let own =
+        self::inner(&kernels[0].id).filter(|own| kernels.iter().all(|kernel| self::inner(&kernel.id) == Some(own)));
+    let subject = own.map_or(title.clone(), |own| format!("{family} of {own}"));
     let prefix = common_prefix(kernels);
     let suffix = common_suffix(kernels, prefix);
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
@@ -217,7 +222,7 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
             }
         })
         .collect();
-    Group { title, prefix: prefix.to_owned(), shape, loss, losing, kernels }
+    Group { title, prefix: prefix.to_owned(), subject, shape, loss, losing, kernels }
 }
 
 fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = &'a AccuracyRow> {
@@ -620,6 +625,8 @@ mod tests {
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
         assert_eq!([0, 1].map(|base| names(&methods[base])), [0, 1].map(|base| names(&groups[base])));
         assert_eq!(methods[2].title, "instance of triangle");
+        assert_eq!(methods[2].subject, "instance of triangle/moller_trumbore");
+        assert_eq!([&methods[0].subject, &groups[2].subject], ["triangle", "instance of triangle"]);
         assert_eq!(names(&methods[2]), ["subtract_first", "inverse", "f64", "baked"]);
         assert_eq!(names(&methods[3]), ["subtract_first", "inverse", "f64"]);
         // One method is nothing to compare.

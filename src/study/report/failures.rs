@@ -20,7 +20,7 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
         format!(
             "### What fails where\n\nA kernel fails at a step where more than {} % of the answers of one kind are wrong, or \
              the 99th percentile of the error of `t` exceeds {FAILING_ULP} ulp. False hits of boxes are no failure: they cost \
-             a look inside. Brackets give the figures at the first such \
+             a look inside. Of instances, the methods are compared, with the same kernel inside. Brackets give the figures at the first such \
              step, or, of a kernel that holds, what it got wrong nevertheless.",
             number(FAILING_RATE / 1e4, 1)
         ),
