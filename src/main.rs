@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel, Shape};
-use raylanes::registry::{self, TriangleTask, Visitor};
+use raylanes::registry::{self, Task, Visitor};
 use raylanes::study;
 use raylanes::tracer::{
     self, BuiltIn, Camera, Error, Light, LoadedScene, Mode, Scene, SceneSource, Shade, View, World,
@@ -243,7 +243,7 @@ impl SceneArguments {
 
 struct Exists;
 
-impl TriangleTask for Exists {
+impl Task<Triangle> for Exists {
     type Output = ();
     fn run<K: Kernel<Shape = Triangle>>(self) {}
 }
@@ -314,7 +314,7 @@ struct Trace<'a> {
     mode: Mode,
 }
 
-impl TriangleTask for Trace<'_> {
+impl Task<Triangle> for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
@@ -359,7 +359,7 @@ struct Render<'a> {
     loaded: Loaded,
 }
 
-impl TriangleTask for Render<'_> {
+impl Task<Triangle> for Render<'_> {
     type Output = Result<(), Error>;
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {

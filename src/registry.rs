@@ -123,33 +123,42 @@ pub fn absent() -> &'static [Absent] {
 }
 
 /// Something done with one kernel that is chosen by name at run time.
-pub trait TriangleTask {
+pub trait Task<S: Shape> {
     /// What comes of it.
     type Output;
 
     /// Called with the chosen kernel.
-    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output;
+    fn run<K: Kernel<Shape = S>>(self) -> Self::Output;
 }
 
 /// Runs the task with the triangle kernel of this ID, of which the family may be left out; `None` if there is no such
 /// kernel.
-pub fn with_triangle<T: TriangleTask>(id: &str, task: T) -> Option<T::Output> {
-    struct Chosen<'a, T: TriangleTask> {
+pub fn with_triangle<T: Task<Triangle>>(id: &str, task: T) -> Option<T::Output> {
+    with_kernel(id, task)
+}
+
+/// [`with_triangle`], for quadrics.
+pub fn with_quadric<T: Task<Quadric>>(id: &str, task: T) -> Option<T::Output> {
+    with_kernel(id, task)
+}
+
+fn with_kernel<S: Registered, T: Task<S>>(id: &str, task: T) -> Option<T::Output> {
+    struct Chosen<'a, S: Shape, T: Task<S>> {
         id: &'a str,
         task: Option<T>,
         output: Option<T::Output>,
     }
-    impl<T: TriangleTask> Visitor<Triangle> for Chosen<'_, T> {
-        fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+    impl<S: Shape, T: Task<S>> Visitor<S> for Chosen<'_, S, T> {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
             let method = K::INFO.id.method;
             let name = method.rsplit('/').next();
             if self.id == method || Some(self.id) == name {
-                self.output = self.task.take().map(TriangleTask::run::<K>);
+                self.output = self.task.take().map(Task::run::<K>);
             }
         }
     }
     let mut chosen = Chosen { id, task: Some(task), output: None };
-    triangles(&mut chosen);
+    S::visit_kernels(&mut chosen);
     chosen.output
 }
 
@@ -158,9 +167,9 @@ mod tests {
     use super::*;
 
     struct IdOf;
-    impl TriangleTask for IdOf {
+    impl<S: Shape> Task<S> for IdOf {
         type Output = &'static str;
-        fn run<K: Kernel<Shape = Triangle>>(self) -> &'static str {
+        fn run<K: Kernel<Shape = S>>(self) -> &'static str {
             K::INFO.id.method
         }
     }
@@ -171,5 +180,8 @@ mod tests {
         assert_eq!(with_triangle("moller_trumbore", IdOf), Some("triangle/moller_trumbore"));
         assert_eq!(with_triangle("aabb/padded", IdOf), None);
         assert_eq!(with_triangle("", IdOf), None);
+        assert_eq!(with_quadric("quadric/naive", IdOf), Some("quadric/naive"));
+        assert_eq!(with_quadric("naive", IdOf), Some("quadric/naive"));
+        assert_eq!(with_quadric("cramer", IdOf), None);
     }
 }

@@ -214,14 +214,8 @@ fn errors_name_line_and_key() {
     for (lines, message) in [
         ("of = 'ball'", "10: duplicate key: \"of = 'ball'\""),
         ("color = [0, 1]", "10: instance.color: invalid length 2, expected an array of length 3"),
-        (
-            "color = [0, 1.5, 0]",
-            "10: instance.color: invalid value: `1.5`, expected a number from 0 to 1",
-        ),
-        (
-            "\n\ncolor = [\n0,\n-1,\n0]",
-            "14: instance.color: invalid value: `-1`, expected a number from 0 to 1",
-        ),
+        ("color = [0, 1.5, 0]", "10: instance.color: invalid value: `1.5`, expected a number from 0 to 1"),
+        ("\n\ncolor = [\n0,\n-1,\n0]", "14: instance.color: invalid value: `-1`, expected a number from 0 to 1"),
         ("color = 'red'", "10: instance.color: invalid type: string \"red\", expected an array of length 3"),
         (
             "colour = [1, 1, 1]",
@@ -350,7 +344,10 @@ fn errors_name_line_and_key() {
             "[[quadric]]\nname = 'q'\ncoefficients = [1, 2, 3]",
             "12: quadric.coefficients: invalid length 3, expected an array of length 10",
         ),
-        ("[[quadric]]\nname = 'q'\nhyperboloid_of_two_sheets = { semi_axes = [1, 1, 2], half_height = 1.5 }", "10: quadric: nothing is left of two sheets that begin beyond half_height, at the third semi-axis"),
+        (
+            "[[quadric]]\nname = 'q'\nhyperboloid_of_two_sheets = { semi_axes = [1, 1, 2], half_height = 1.5 }",
+            "10: quadric: nothing is left of two sheets that begin beyond half_height, at the third semi-axis",
+        ),
         (
             "[[quadric]]\nname = 'q'\ncoefficients = [0, 0, 0, 0, 0, 0, 0, 0, 0, 1]\nclip = { lo = [0, 0, 0], hi = [1, 1, 1] }",
             "11: quadric.name: no ray hits it: the coefficients are too large or all zero, or the box is empty: \"q\"",

@@ -1,24 +1,21 @@
-//! The box rule: every way of tracing a ray gives the same bits. Trying all triangles, single rays, packets, coherent and
-//! shuffled order, one thread and two, closest hit and any hit.
+//! The box rule: every way of tracing a ray gives the same bits. Trying all primitives of all instances, single rays, packets,
+//! coherent and shuffled order, one thread and two, closest hit and any hit.
 
 mod random;
+mod worlds;
 
-use glam::Vec3;
-use raylanes::geom::{Hit, Ray, Triangle};
+use glam::{Affine3, Mat3, Vec3};
+use raylanes::geom::{Hit, Quadric, Ray, Triangle};
+use raylanes::kernels::instance::Instance;
+use raylanes::kernels::triangle::{Cramer, MollerTrumbore};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
-use raylanes::tracer::{Geometry, LoadedScene, Mesh, Mode, Part, Scene, SceneSource, thread_pool, trace};
+use raylanes::tracer::{
+    Geometry, LoadedScene, Mesh, Mode, Paint, Part, Placement, Scene, SceneSource, World, thread_pool, trace,
+};
 
 use random::Random;
-
-/// In 0..1.
-fn unit(random: &mut Random) -> f32 {
-    random.below(1 << 24) as f32 / (1u64 << 24) as f32
-}
-
-fn vec3(random: &mut Random) -> Vec3 {
-    Vec3::new(unit(random), unit(random), unit(random)) * 2.0 - 1.0
-}
+use worlds::{built_in_mesh, unit, vec3};
 
 /// Rays that make trouble: at vertices and edges, where triangles tie; along axes, within the planes of boxes; with every
 /// kind of interval; and some that miss everything.
@@ -114,14 +111,14 @@ fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[
 
 struct EveryKernel<'a> {
     name: &'a str,
-    mesh: &'a Mesh,
+    world: World,
     rays: &'a [Ray<f32>],
     stride: usize,
 }
 
 impl Visitor<Triangle> for EveryKernel<'_> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        every_way(self.name, &Scene::<K>::from(self.mesh.clone()), self.rays, self.stride);
+        every_way(self.name, &Scene::<K>::new(self.world.clone()), self.rays, self.stride);
     }
 }
 
@@ -132,7 +129,7 @@ fn check(source: &SceneSource) {
     rays.extend(hard_rays(mesh, 8_000));
     // About 20 million tests by brute force, whatever the size of the mesh.
     let stride = (rays.len() * mesh.len() / 20_000_000).max(1);
-    registry::triangles(&mut EveryKernel { name: &source.name(), mesh, rays: &rays, stride });
+    registry::triangles(&mut EveryKernel { name: &source.name(), world, rays: &rays, stride });
 }
 
 #[test]
@@ -157,16 +154,212 @@ fn real_scenes_have_identical_hits() {
 /// Triangles that tie in `t`: each is there several times, and the copies are in different leaves.
 #[test]
 fn the_lower_primitive_number_wins_ties() {
-    let scene = SceneSource::parse("sphere:small").unwrap().load().unwrap();
-    let [Geometry::Mesh(mesh)] = scene.world.geometries() else { panic!("a sphere is a mesh") };
+    let mesh = built_in_mesh("sphere:small");
     let copies = 5;
     let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
     let many =
         Mesh::new(mesh.positions().to_vec(), triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap();
-    let rays = hard_rays(mesh, 4_000);
-    registry::triangles(&mut EveryKernel { name: "copies", mesh: &many, rays: &rays, stride: 1 });
-    let hits = trace(&Scene::<raylanes::kernels::triangle::Cramer<f32>>::from(many), &rays, false, Mode::Packet);
+    let rays = hard_rays(&mesh, 4_000);
+    registry::triangles(&mut EveryKernel { name: "copies", world: many.clone().into(), rays: &rays, stride: 1 });
+    let hits = trace(&Scene::<Cramer<f32>>::from(many), &rays, false, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
+}
+
+fn place(geometry: usize, object_to_world: Affine3) -> Placement {
+    Placement { geometry: geometry as u32, object_to_world, paint: Paint::Own }
+}
+
+/// Everything, everywhere, some of it several times in the same place.
+fn scattered(seed: u64, count: usize) -> World {
+    let mut random = Random(seed);
+    let geometries = worlds::geometries(&mut random);
+    let mut instances = vec![place(0, Affine3::IDENTITY)];
+    while instances.len() < count {
+        let instance = match random.below(6) {
+            0 => instances[random.below(instances.len())],
+            1 => place(random.below(geometries.len()), instances[random.below(instances.len())].object_to_world),
+            _ => place(random.below(geometries.len()), worlds::transform(&mut random, 8.0)),
+        };
+        instances.push(instance);
+    }
+    World::new(geometries, instances).unwrap()
+}
+
+/// Instances that are the same in the world but for rounding: cubes and squares of different sizes, each scaled to size 1,
+/// stretched, turned upon themselves, mirrored and far from the origin. Their faces lie in the sides of their boxes, and each
+/// other's.
+fn coincident(seed: u64, count: usize) -> World {
+    let mut random = Random(seed);
+    let sizes = [Vec3::ONE, Vec3::splat(3.0), Vec3::splat(0.7), Vec3::splat(1e-3), Vec3::new(0.3, 1.1, 17.0)];
+    let flats = sizes.map(|size| worlds::cuboid(size * Vec3::new(1.0, 1.0, 0.0)));
+    let geometries = sizes.map(worlds::cuboid).into_iter().chain(flats).map(Geometry::Mesh).collect();
+    let centers = [Vec3::ZERO, vec3(&mut random), vec3(&mut random) * 1e6];
+    let instances = (0..count)
+        .map(|_| {
+            let kind = random.below(sizes.len());
+            let scale = Mat3::from_diagonal(Vec3::ONE / sizes[kind]);
+            let turn = worlds::pick(
+                &mut random,
+                &[
+                    Mat3::IDENTITY,
+                    Mat3::from_cols(Vec3::Y, Vec3::NEG_X, Vec3::Z),
+                    Mat3::from_cols(Vec3::NEG_X, Vec3::Y, Vec3::Z),
+                    Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X),
+                    // A shear within the plane of the squares, and one out of it.
+                    Mat3::from_cols(Vec3::X, Vec3::new(1.3, 1.0, 0.0), Vec3::Z),
+                    Mat3::from_cols(Vec3::X, Vec3::new(0.0, 1.0, 0.7), Vec3::Z),
+                ],
+            );
+            let translation = worlds::pick(&mut random, &centers);
+            place(kind + sizes.len() * random.below(2), Affine3 { matrix3: turn * scale, translation })
+        })
+        .collect();
+    World::new(geometries, instances).unwrap()
+}
+
+#[test]
+fn worlds_of_instances_have_identical_hits() {
+    for (name, world) in [
+        ("scattered", scattered(1, 80)),
+        ("crowded", scattered(2, 400)),
+        ("coincident", coincident(3, 60)),
+        ("one quadric", {
+            let (geometry, object_to_world) = (Geometry::Quadric(Quadric::cone(1.0, 2.0)), Affine3::IDENTITY);
+            World::new(vec![geometry], vec![Placement { geometry: 0, object_to_world, paint: Paint::Own }]).unwrap()
+        }),
+    ] {
+        let rays = worlds::rays(&world, 5, 3_000);
+        registry::triangles(&mut EveryKernel { name, world: world.clone(), rays: &rays, stride: 1 });
+        registry::quadrics(&mut EveryQuadric { name, world: &world, rays: &rays });
+    }
+}
+
+struct EveryQuadric<'a> {
+    name: &'a str,
+    world: &'a World,
+    rays: &'a [Ray<f32>],
+}
+
+impl Visitor<Quadric> for EveryQuadric<'_> {
+    fn visit<Q: Kernel<Shape = Quadric>>(&mut self) {
+        let scene = Scene::<Cramer<f32>>::with_quadrics::<Q>(self.world.clone());
+        every_way(&format!("{}, {}", self.name, Q::INFO.id), &scene, self.rays, 1);
+    }
+}
+
+/// What the second application of the rule does, seen from outside: an instance alone has the hits of the transformed ray, but
+/// for those that miss its world box, and with `t` clamped to it. Far-away rays need the clamp often.
+#[test]
+fn hits_of_an_instance_are_clamped_to_its_world_box() {
+    let mut random = Random(17);
+    let (mut same, mut clamped, mut removed) = (0, 0, 0);
+    for _ in 0..300 {
+        let mesh = worlds::cuboid(vec3(&mut random));
+        let object_to_world = worlds::transform(&mut random, 8.0);
+        let bare = Instance::new(Scene::<Cramer<f32>>::from(mesh.clone()), object_to_world).unwrap();
+        let placement = Placement { geometry: 0, object_to_world, paint: Paint::Own };
+        let world = World::new(vec![Geometry::Mesh(mesh)], vec![placement]).unwrap();
+        let rays = worlds::rays(&world, 1 + random.below(1000) as u64, 100);
+        let scene = Scene::<Cramer<f32>>::new(world);
+        let bounds = scene.bounds();
+        for ray in &rays {
+            let (expected, got) = (Intersect::<f32>::hit(&bare, ray), Intersect::<f32>::hit(&scene, ray));
+            if !got.mask {
+                removed += u32::from(expected.mask);
+                continue;
+            }
+            // The transform by the identity is no transform.
+            if object_to_world != Affine3::IDENTITY {
+                assert_eq!((got.u, got.v, got.primitive), (expected.u, expected.v, expected.primitive));
+            }
+            let point = ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(got.t);
+            let slack = ray.dir.abs().as_dvec3() * f64::from(got.t.abs()) * 1e-6;
+            assert!(
+                point.cmpge(bounds.lo.as_dvec3() - slack).all() && point.cmple(bounds.hi.as_dvec3() + slack).all(),
+                "{ray:?}: {got:?} at {point}, outside of {bounds:?}"
+            );
+            same += u32::from(got.t == expected.t);
+            clamped += u32::from(got.t != expected.t);
+        }
+    }
+    assert!(same > 1000 && clamped > 100 && removed > 10, "{same} the same, {clamped} clamped, {removed} removed");
+}
+
+/// A wall at 0.4 beside an origin of 2²³, where the next `f32` is 1 further: rounded to nearest its box would be flat and
+/// 0.4 away from it, and a ray that ends between the two would miss.
+#[test]
+fn world_boxes_are_rounded_outwards() {
+    for (side, sign) in [(0.4, 1.0), (0.6, -1.0)] {
+        for axis in 0..3 {
+            let turn = [
+                Mat3::IDENTITY,
+                Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X),
+                Mat3::from_cols(Vec3::Z, Vec3::X, Vec3::Y),
+            ];
+            let wall = [Vec3::new(side, -1.0, -1.0), Vec3::new(side, 1.0, -1.0), Vec3::new(side, 0.0, 1.0)];
+            let [far, towards] = [8_388_608.0 * Vec3::AXES[axis], Vec3::AXES[axis]];
+            let placement = Placement {
+                geometry: 0,
+                object_to_world: Affine3 { matrix3: turn[axis], translation: far },
+                paint: Paint::Own,
+            };
+            let mesh = worlds::mesh(wall.to_vec(), vec![[0, 1, 2]]);
+            let scene =
+                Scene::<MollerTrumbore<f32>>::new(World::new(vec![Geometry::Mesh(mesh)], vec![placement]).unwrap());
+            let origin = far + if sign > 0.0 { towards } else { Vec3::ZERO };
+            let ray = Ray { t_max: 0.75, ..Ray::new(origin, towards * -sign) };
+            let hit = Intersect::<f32>::hit(&scene, &ray);
+            assert!(hit.mask && (hit.t - 0.6).abs() < 1e-6, "{axis}: {hit:?}");
+        }
+    }
+}
+
+/// A mesh has the hits of an instance of it by the identity also among other instances.
+#[test]
+fn the_identity_changes_nothing() {
+    let mesh = built_in_mesh("sphere:1e3");
+    let rays = hard_rays(&mesh, 4_000);
+    let alone = trace(&Scene::<MollerTrumbore<f32>>::from(mesh.clone()), &rays, false, Mode::Scalar);
+    let at = |object_to_world| Placement { geometry: 0, object_to_world, paint: Paint::Own };
+    let instances = vec![at(Affine3::from_translation(Vec3::splat(1e9))), at(Affine3::IDENTITY)];
+    let world = World::new(vec![Geometry::Mesh(mesh)], instances).unwrap();
+    let scene = Scene::<MollerTrumbore<f32>>::new(world);
+    for mode in Mode::ALL {
+        let mut hits = trace(&scene, &rays, false, mode);
+        for hit in hits.iter_mut().filter(|hit| hit.mask) {
+            assert_eq!(hit.instance, 1);
+            hit.instance = 0;
+        }
+        assert_same(mode.name(), &rays, &alone, &hits);
+    }
+}
+
+/// Primitive numbers run through all geometries, used or not; and between equal instances the first is hit.
+#[test]
+fn primitives_count_through_all_geometries() {
+    let geometries = vec![
+        Geometry::Mesh(worlds::cuboid(Vec3::ONE)),
+        Geometry::Quadric(Quadric::sphere(1.0)),
+        Geometry::Mesh(worlds::cuboid(Vec3::ONE)),
+        Geometry::Quadric(Quadric::sphere(1.0)),
+    ];
+    let place = |geometry, x: f32| Placement {
+        geometry,
+        object_to_world: Affine3::from_translation(Vec3::new(x, 0.0, 0.0)),
+        paint: Paint::Own,
+    };
+    let instances =
+        [(3, 0.0), (3, 0.0), (1, 4.0), (2, 8.0), (2, 8.0), (0, 12.0)].map(|(geometry, x)| place(geometry, x)).to_vec();
+    let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries, instances).unwrap());
+    assert_eq!(scene.primitives(), 26);
+    for (x, primitives, instance) in [(0.0, 25..26, 0), (4.0, 12..13, 2), (8.0, 13..25, 3), (12.0, 0..12, 5)] {
+        let ray = Ray::new(Vec3::new(x + 0.25, 0.125, 5.0), Vec3::NEG_Z);
+        for hit in
+            [Intersect::<f32>::hit(&scene, &ray), Intersect::<wide::f32x8>::hit(&scene, &Ray::splat(&ray)).lane(5)]
+        {
+            assert!(hit.mask && primitives.contains(&hit.primitive) && hit.instance == instance, "{x}: {hit:?}");
+        }
+    }
 }
 
 /// Meshes that trees stumble over: one triangle, many in one place, points, lines, sizes at the ends of the range.
@@ -229,10 +422,8 @@ fn hits_stay_in_their_own_box() {
         let ray = Ray::new(target - dir * 1e4, dir);
         let corners = triangle.vertices().to_vec();
         let part = Part { first_triangle: 0, color: Vec3::ONE };
-        let scene = Scene::<raylanes::kernels::triangle::MollerTrumbore<f32>>::from(
-            Mesh::new(corners, vec![[0, 1, 2]], vec![part]).unwrap(),
-        );
-        let bare = Intersect::<f32>::hit(&raylanes::kernels::triangle::MollerTrumbore::prepare(&triangle), &ray);
+        let scene = Scene::<MollerTrumbore<f32>>::from(Mesh::new(corners, vec![[0, 1, 2]], vec![part]).unwrap());
+        let bare = Intersect::<f32>::hit(&MollerTrumbore::prepare(&triangle), &ray);
         let hit = Intersect::<f32>::hit(&scene, &ray);
         assert!(bare.mask || !hit.mask, "the rule only removes hits");
         removed += u32::from(bare.mask && !hit.mask);

@@ -1,0 +1,324 @@
+//! Points and normals of hits in the world, against exact arithmetic: over translations, scales, shears, turns and mirrors.
+
+mod random;
+mod worlds;
+
+use dashu_int::IBig;
+use glam::{Affine2, Affine3, Mat3, Vec2, Vec3};
+use raylanes::geom::{Hit, Quadric, Ray, Triangle};
+use raylanes::kernels::triangle::MollerTrumbore;
+use raylanes::tracer::{Checker, Geometry, Mesh, Mode, Paint, Part, Placement, Scene, SurfacePoint, World, trace};
+
+use random::Random;
+
+/// `int · 2^exponent`, exactly: all that sums and products of `f32` and `f64` need.
+#[derive(Clone, Debug)]
+struct Exact {
+    int: IBig,
+    exponent: isize,
+}
+
+impl Exact {
+    fn of(value: impl Into<f64>) -> Self {
+        let value = value.into();
+        let (bits, field) = (value.to_bits() & ((1 << 52) - 1), value.to_bits() >> 52 & 0x7ff);
+        let magnitude = if field == 0 { bits } else { bits | 1 << 52 };
+        let int = if value < 0.0 { -IBig::from(magnitude) } else { IBig::from(magnitude) };
+        Self { int, exponent: field.max(1) as isize - 1075 }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let exponent = self.exponent.min(other.exponent);
+        let at = |number: &Self| &number.int << (number.exponent - exponent) as usize;
+        Self { int: at(self) + at(other), exponent }
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        Self { int: &self.int * &other.int, exponent: self.exponent + other.exponent }
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self.plus(&other.times(&Self::of(-1.0)))
+    }
+
+    fn is_negative(&self) -> bool {
+        self.int < IBig::ZERO
+    }
+
+    fn abs(&self) -> Self {
+        if self.is_negative() { Self::of(0.0).minus(self) } else { self.clone() }
+    }
+
+    fn is_at_most(&self, other: &Self) -> bool {
+        !other.minus(self).is_negative()
+    }
+}
+
+type Exact3 = [Exact; 3];
+
+fn exact(vector: Vec3) -> Exact3 {
+    vector.to_array().map(Exact::of)
+}
+
+fn each(f: impl Fn(usize) -> Exact) -> Exact3 {
+    [f(0), f(1), f(2)]
+}
+
+fn add(a: &Exact3, b: &Exact3) -> Exact3 {
+    each(|i| a[i].plus(&b[i]))
+}
+
+fn sub(a: &Exact3, b: &Exact3) -> Exact3 {
+    each(|i| a[i].minus(&b[i]))
+}
+
+fn scale(a: &Exact3, by: &Exact) -> Exact3 {
+    each(|i| a[i].times(by))
+}
+
+fn product(a: &Exact3, b: &Exact3) -> Exact3 {
+    each(|i| a[i].times(&b[i]))
+}
+
+fn dot(a: &Exact3, b: &Exact3) -> Exact {
+    a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
+}
+
+fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
+    each(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j].times(&b[k]).minus(&a[k].times(&b[j]))
+    })
+}
+
+/// `matrix · vector`, from the matrix' columns.
+fn apply(columns: &[Exact3; 3], vector: &Exact3) -> Exact3 {
+    add(&add(&scale(&columns[0], &vector[0]), &scale(&columns[1], &vector[1])), &scale(&columns[2], &vector[2]))
+}
+
+fn columns(matrix: Mat3) -> [Exact3; 3] {
+    [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(exact)
+}
+
+/// Columns of the matrix of cofactors, and the determinant.
+fn cofactors([x, y, z]: &[Exact3; 3]) -> ([Exact3; 3], Exact) {
+    let cofactors = [cross(y, z), cross(z, x), cross(x, y)];
+    let determinant = dot(x, &cofactors[0]);
+    (cofactors, determinant)
+}
+
+fn transposed(columns: &[Exact3; 3]) -> [Exact3; 3] {
+    [0, 1, 2].map(|row| each(|column| columns[column][row].clone()))
+}
+
+/// Demands that each coordinate lies within half an ulp, and 2⁻⁴⁷ of the largest term, of the exact one.
+fn assert_point(what: &str, got: Vec3, expected: &Exact3, largest_term: f64) {
+    for axis in 0..3 {
+        let got = got[axis];
+        let half_ulp = (f64::from(got.abs().next_up()) - f64::from(got.abs())) / 2.0;
+        let bound = Exact::of(half_ulp + largest_term * 2f64.powi(-47));
+        let error = Exact::of(got).minus(&expected[axis]).abs();
+        assert!(error.is_at_most(&bound), "{what}: {got:?} on axis {axis} is off by more than {half_ulp:e}");
+    }
+}
+
+/// Demands a length of 1 within 2⁻²³, and that the angle to the exact direction has a sine of at most `bound`.
+fn assert_normal(what: &str, got: Vec3, expected: &Exact3, bound: f64) {
+    let length = got.as_dvec3().length();
+    assert!((length - 1.0).abs() < 2f64.powi(-23), "{what}: {got} has length {length}");
+    let got = exact(got);
+    assert!(!dot(&got, expected).is_negative(), "{what}: {got:?} points to the wrong side");
+    let sine = cross(&got, expected);
+    let bound = dot(expected, expected).times(&Exact::of(bound * bound));
+    assert!(dot(&sine, &sine).is_at_most(&bound), "{what}: {got:?} is turned");
+}
+
+/// A scene of one instance, and rays at it that hit.
+fn hits(
+    geometry: Geometry,
+    object_to_world: Affine3,
+    paint: Paint,
+    seed: u64,
+) -> (Scene<MollerTrumbore<f32>>, Vec<(Ray<f32>, Hit<f32>)>) {
+    let world = World::new(vec![geometry], vec![Placement { geometry: 0, object_to_world, paint }]).unwrap();
+    let rays = worlds::rays(&world, seed, 64);
+    let scene = Scene::new(world);
+    let hits = trace(&scene, &rays, false, Mode::Scalar);
+    (scene, rays.into_iter().zip(hits).filter(|(_, hit)| hit.mask).collect())
+}
+
+#[test]
+fn triangles_have_the_exact_image_of_the_barycentrics_and_the_counter_clockwise_normal() {
+    let mut random = Random(23);
+    let mut seen = 0;
+    for round in 0..400 {
+        let size = worlds::pick(&mut random, &[1e-6, 1.0, 1.0, 1e6]);
+        let [v0, v1, v2] = [(); 3].map(|()| worlds::vec3(&mut random) * size);
+        let transform = worlds::transform(&mut random, 10.0);
+        let mesh = worlds::mesh(vec![v0, v1, v2], vec![[0, 1, 2]]);
+        let (scene, hits) = hits(Geometry::Mesh(mesh), transform, Paint::Own, round);
+        let linear = columns(transform.matrix3);
+        let [e0, e1, e2] = [v0, v1, v2].map(exact);
+        let (e1, e2) = (sub(&e1, &e0), sub(&e2, &e0));
+        let normal = cross(&apply(&linear, &e1), &apply(&linear, &e2));
+        for (ray, hit) in hits {
+            let surface = scene.surface(&ray, &hit);
+            let object = add(&e0, &add(&scale(&e1, &Exact::of(hit.u)), &scale(&e2, &Exact::of(hit.v))));
+            let point = add(&apply(&linear, &object), &exact(transform.translation));
+            let greatest = transform.matrix3.to_cols_array().iter().fold(0.0f32, |most, entry| most.max(entry.abs()));
+            let corner = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
+            let term =
+                (f64::from(greatest) * f64::from(corner)).max(f64::from(transform.translation.abs().max_element()));
+            let what = format!("{transform:?}, {v0}, {v1}, {v2}, {hit:?}");
+            assert_point(&what, surface.point, &point, term);
+            // The triangle may be a sliver of 1 to 1000 in the world.
+            assert_normal(&what, surface.normal, &normal, 2f64.powi(-24) + 1e6 * 2f64.powi(-50));
+            assert_eq!((surface.uv, surface.color), (Vec2::new(hit.u, hit.v), Vec3::ONE));
+            seen += 1;
+        }
+    }
+    assert!(seen > 5_000, "{seen}");
+}
+
+#[test]
+fn quadrics_have_the_ray_s_point_and_the_outer_normal() {
+    let mut random = Random(29);
+    let mut seen = 0;
+    let geometries = worlds::geometries(&mut random);
+    for (round, geometry) in (0..400).zip(geometries.iter().filter(|one| matches!(one, Geometry::Quadric(_))).cycle()) {
+        let Geometry::Quadric(quadric) = geometry else { unreachable!("filtered") };
+        let transform = worlds::transform(&mut random, 10.0);
+        let (scene, hits) = hits(geometry.clone(), transform, Paint::Own, round);
+        let linear = columns(transform.matrix3);
+        let (cofactors, determinant) = cofactors(&linear);
+        for (ray, hit) in hits {
+            let surface = scene.surface(&ray, &hit);
+            let along = scale(&exact(ray.dir), &Exact::of(hit.t));
+            let point = add(&exact(ray.origin), &along);
+            let term = f64::from(ray.origin.abs().max_element()).max(f64::from((ray.dir * hit.t).abs().max_element()));
+            let what = format!("{quadric:?}, {transform:?}, {ray:?}, {hit:?}");
+            assert_point(&what, surface.point, &point, term);
+            // Everything times the determinant, so that nothing is divided.
+            let object = apply(&transposed(&cofactors), &sub(&point, &exact(transform.translation)));
+            let [yz, zx, xy] = exact(quadric.products);
+            let [x, y, z] = &object;
+            let mixed =
+                [xy.times(y).plus(&zx.times(z)), xy.times(x).plus(&yz.times(z)), zx.times(x).plus(&yz.times(y))];
+            let squares = scale(&product(&exact(quadric.squares), &object), &Exact::of(2.0));
+            let gradient = add(&add(&squares, &mixed), &scale(&exact(quadric.linear), &determinant));
+            // The inverse transpose is the cofactors over the determinant, and the gradient was multiplied by it too: its
+            // sign goes away.
+            let normal = apply(&cofactors, &gradient);
+            assert_normal(&what, surface.normal, &normal, 2f64.powi(-23));
+            assert!(surface.uv.cmpge(Vec2::ZERO).all() && surface.uv.cmple(Vec2::ONE).all(), "{what}: {}", surface.uv);
+            assert_eq!(surface.color, Vec3::ONE);
+            seen += 1;
+        }
+    }
+    assert!(seen > 2_000, "{seen}");
+}
+
+/// A mirror turns the winding of triangles over, and leaves the outside of a quadric where it is.
+#[test]
+fn mirrors_turn_triangles_over_and_quadrics_not() {
+    let mirror = Affine3::from_scale(Vec3::new(-2.0, 2.0, 2.0));
+    let at = |geometry, object_to_world| Placement { geometry, object_to_world, paint: Paint::Own };
+    let geometries = || vec![Geometry::Mesh(worlds::cuboid(Vec3::ONE)), Geometry::Quadric(Quadric::cylinder(1.0, 1.0))];
+    let ray = Ray::new(Vec3::new(-8.0, 0.25, 0.5), Vec3::X);
+    let normal = |placement| {
+        let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries(), vec![placement]).unwrap());
+        let hit = trace(&scene, &[ray], false, Mode::Packet)[0];
+        scene.surface(&ray, &hit).normal
+    };
+    assert_eq!(normal(at(0, Affine3::IDENTITY)), Vec3::NEG_X);
+    assert_eq!(normal(at(0, mirror)), Vec3::X);
+    for transform in [Affine3::IDENTITY, mirror] {
+        assert!(normal(at(1, transform)).x < -0.95);
+    }
+}
+
+#[test]
+fn colors_come_from_the_paint() {
+    let [red, green] = [Vec3::X, Vec3::Y];
+    let parts = [red, green].into_iter().zip([0, 1]).map(|(color, first_triangle)| Part { first_triangle, color });
+    let square = vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+    let mesh = Mesh::new(square, vec![[0, 1, 2], [0, 2, 3]], parts.collect()).unwrap();
+    let checker = Checker { colors: [Vec3::ONE, Vec3::ZERO], uv_to_squares: Affine2::from_scale(Vec2::new(8.0, 2.0)) };
+    let at = |x: f32, geometry, paint| Placement {
+        geometry,
+        object_to_world: Affine3::from_translation(Vec3::X * x),
+        paint,
+    };
+    let instances = vec![
+        at(0.0, 0, Paint::Own),
+        at(2.0, 0, Paint::Plain(Vec3::splat(0.5))),
+        at(6.0, 1, Paint::Own),
+        at(9.0, 1, Paint::Checker(checker)),
+    ];
+    let geometries = vec![Geometry::Mesh(mesh), Geometry::Quadric(Quadric::cylinder(1.0, 2.0))];
+    let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries, instances).unwrap());
+    let surface = |ray: Ray<f32>| -> SurfacePoint {
+        let hit = trace(&scene, &[ray], false, Mode::Scalar)[0];
+        scene.surface(&ray, &hit)
+    };
+    let from_above = |x: f32, y: f32| surface(Ray::new(Vec3::new(x, y, 9.0), Vec3::NEG_Z));
+    assert_eq!([from_above(0.75, 0.25).color, from_above(0.25, 0.75).color], [red, green]);
+    assert_eq!([from_above(2.75, 0.25).color, from_above(2.25, 0.75).color], [Vec3::splat(0.5); 2]);
+    // The cylinder from four sides: turns of 0, 1/4, 1/2 and 3/4, at a quarter of its height, just off the checker's lines.
+    let sides = [(Vec3::X, 0.0), (Vec3::Y, 0.25), (Vec3::NEG_X, 0.5), (Vec3::NEG_Y, 0.75)];
+    for (number, (side, turn)) in sides.into_iter().enumerate() {
+        let eye = |x: f32| Vec3::new(x, 0.0, -1.0) + side * 1.5 + side.cross(Vec3::Z) * -0.01;
+        let plain = surface(Ray::new(eye(6.0), -side));
+        assert!(plain.uv.abs_diff_eq(Vec2::new(turn, 0.25), 0.01), "{plain:?}");
+        assert!(plain.normal.abs_diff_eq(side, 0.02) && plain.color == Vec3::ONE, "{plain:?}");
+        // Eight squares around: a quarter turn is two of them, so that all four sides have the first colour.
+        assert_eq!(surface(Ray::new(eye(9.0), -side)).color, Vec3::ONE, "side {number}");
+        let upper = Vec3::Z * 2.0;
+        assert_eq!(surface(Ray::new(eye(9.0) + upper, -side)).color, Vec3::ZERO, "side {number}");
+    }
+}
+
+/// The apex of a cone has no normal, and a hit there is no NaN.
+#[test]
+fn there_is_no_normal_at_an_apex() {
+    let placement =
+        Placement { geometry: 0, object_to_world: Affine3::from_scale(Vec3::splat(3.0)), paint: Paint::Own };
+    let world = World::new(vec![Geometry::Quadric(Quadric::cone(1.0, 2.0))], vec![placement]).unwrap();
+    let scene = Scene::<MollerTrumbore<f32>>::new(world);
+    let hit = Hit::<f32>::new(true, 4.0, 0.0, 0.0);
+    let surface = scene.surface(&Ray::new(Vec3::new(-4.0, 0.0, 0.0), Vec3::X), &hit);
+    assert_eq!((surface.point, surface.normal), (Vec3::ZERO, Vec3::ZERO));
+    assert!(!surface.uv.is_nan());
+}
+
+/// What the kernel adds to that: the distance of the point from the one that the exact ray meets on the exact triangle, for
+/// rays that are not grazing, within 2⁻¹⁹ of the distances and sizes that play a part.
+#[test]
+fn points_are_near_the_exact_intersection() {
+    use raylanes::geom::Placed;
+    use raylanes::oracle::Exact as _;
+
+    let mut random = Random(31);
+    let mut seen = 0;
+    for round in 0..400 {
+        let [v0, v1, v2] = [(); 3].map(|()| worlds::vec3(&mut random));
+        let shape = Triangle { v0, v1, v2 };
+        let object_to_world = worlds::transform(&mut random, 10.0);
+        let mesh = worlds::mesh(vec![v0, v1, v2], vec![[0, 1, 2]]);
+        let (scene, hits) = hits(Geometry::Mesh(mesh), object_to_world, Paint::Own, 1000 + round);
+        for (ray, hit) in hits {
+            let truth = Placed { shape, object_to_world }.truth(&ray);
+            let surface = scene.surface(&ray, &hit);
+            if !truth.hit || surface.normal.dot(ray.dir.normalize()).abs() < 0.3 {
+                continue;
+            }
+            let expected = ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(truth.t);
+            let reach =
+                ray.origin.abs().max(object_to_world.translation.abs()).max(scene.bounds().hi.abs()).max_element();
+            let error = (surface.point.as_dvec3() - expected).length() / f64::from(reach);
+            assert!(error < 2f64.powi(-19), "{object_to_world:?}, {shape:?}, {ray:?}, {hit:?}: {error:e}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 2_000, "{seen}");
+}
