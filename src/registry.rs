@@ -5,11 +5,13 @@
 //! monomorphic. To add a kernel, write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one
 //! line here.
 
+use glam::DVec3;
+
 use crate::geom::{Aabb, Placed, Quadric, Triangle};
 #[cfg(fused)]
 use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
-use crate::kernels::instance::Instance;
+use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
 use crate::kernels::quadric::Naive;
 #[cfg(fused)]
 use crate::kernels::triangle::WoopDop;
@@ -83,16 +85,40 @@ impl Registered for Quadric {
     }
 }
 
-impl<S: Registered> Registered for Placed<S> {
+impl Registered for Placed<Aabb> {
     fn visit_kernels(visitor: &mut impl Visitor<Self>) {
-        struct Instances<'a, V>(&'a mut V);
-        impl<S: Shape, V: Visitor<Placed<S>>> Visitor<S> for Instances<'_, V> {
-            fn visit<K: Kernel<Shape = S>>(&mut self) {
-                self.0.visit::<Instance<K>>();
-            }
-        }
-        S::visit_kernels(&mut Instances(visitor));
+        ray_transforms::<Padded<f32>>(visitor);
     }
+}
+
+impl Registered for Placed<Triangle> {
+    fn visit_kernels(visitor: &mut impl Visitor<Self>) {
+        ray_transforms::<MollerTrumbore<f32>>(visitor);
+        visitor.visit::<Baked<MollerTrumbore<f32>>>();
+    }
+}
+
+impl Registered for Placed<Quadric> {
+    fn visit_kernels(visitor: &mut impl Visitor<Self>) {
+        ray_transforms::<Naive<f32>>(visitor);
+    }
+}
+
+/// An instance of every kernel of a shape by the tracer's method; by the others, of one kernel alone, so that methods are
+/// compared and not kernels.
+fn ray_transforms<K: Kernel>(visitor: &mut impl Visitor<Placed<K::Shape>>)
+where
+    K::Shape: Registered,
+{
+    struct Instances<'a, V>(&'a mut V);
+    impl<S: Shape, V: Visitor<Placed<S>>> Visitor<S> for Instances<'_, V> {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
+            self.0.visit::<Instance<K>>();
+        }
+    }
+    K::Shape::visit_kernels(&mut Instances(visitor));
+    visitor.visit::<Instance<K, Inverse<f32>>>();
+    visitor.visit::<Instance<K, SubtractFirstF64<DVec3>>>();
 }
 
 /// Everything.

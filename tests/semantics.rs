@@ -3,6 +3,7 @@
 //! `cases.rs`.
 
 mod aim;
+mod random;
 
 use glam::Vec3;
 use proptest::strategy::{Strategy, ValueTree};
@@ -12,6 +13,7 @@ use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 
 use aim::Aimed;
+use random::Random;
 
 /// Corrupts rays and shapes that do hit, one place at a time.
 #[derive(Default)]
@@ -82,9 +84,9 @@ fn ray(origin: Vec3, dir: Vec3) -> Ray<f32> {
 
 mod instances {
     use super::*;
-    use glam::{Affine3, Mat3, Quat};
+    use glam::{Affine3, DVec3, Mat3, Quat};
     use raylanes::geom::Placed;
-    use raylanes::kernels::instance::Instance;
+    use raylanes::kernels::instance::{Baked, Instance, SubtractFirstF64};
     use raylanes::kernels::triangle::MollerTrumbore;
 
     const TRIANGLE: Triangle = Triangle { v0: Vec3::ZERO, v1: v(1.0, 0.0, 0.0), v2: v(0.0, 1.0, 0.0) };
@@ -126,6 +128,54 @@ mod instances {
         }
     }
 
+    /// The third column is the sum of the others, exactly; of 23 bits each, so that their determinant has to be rounded.
+    fn exactly_singular(random: &mut Random) -> Affine3 {
+        let mut column = || Vec3::from([(); 3].map(|()| (random.below(1 << 23) as f32 + 1.0) / (1 << 25) as f32));
+        let (x, y) = (column(), column());
+        let z = x + y;
+        assert!(z - x == y && z - y == x, "a sum that is rounded: {x} {y}");
+        Affine3 { matrix3: Mat3::from_cols(x, y, z), translation: v(1.0, 2.0, 3.0) }
+    }
+
+    #[test]
+    fn exactly_singular_transforms_are_refused_whatever_rounding_makes_of_their_determinant() {
+        let mut random = Random(1);
+        let mut rounded = 0;
+        for _ in 0..2000 {
+            let transform = exactly_singular(&mut random);
+            rounded += u32::from(transform.matrix3.as_dmat3().determinant() != 0.0);
+            let error = Instance::new((), transform).unwrap_err();
+            assert_eq!(error.transform, transform);
+            let placed = Placed { shape: TRIANGLE, object_to_world: transform };
+            let ray = ray(transform.transform_point3(v(0.25, 0.25, 0.0)) - Vec3::Z, Vec3::Z);
+            assert!(!Intersect::<f32>::hit(&<Baked<MollerTrumbore<f32>>>::prepare(&placed), &ray).mask);
+            assert!(!Intersect::<f32>::hit(&<Instance<MollerTrumbore<f32>>>::prepare(&placed), &ray).mask);
+        }
+        assert!(rounded > 100, "only {rounded} determinants are not zero");
+    }
+
+    #[test]
+    fn transforms_at_the_edge_of_having_an_inverse() {
+        let scale = |factor: f32| Affine3::from_scale(Vec3::splat(factor));
+        // The inverse of a scale below 2⁻¹²⁸ is no f32, but an f64.
+        let (tiny, least) = (scale(2f32.powi(-129)), scale(2f32.powi(-126)));
+        let error = Instance::new((), tiny).unwrap_err().to_string();
+        assert!(error.starts_with("transform has no inverse: columns [[1.4"), "{error}");
+        assert!(Instance::new((), least).is_ok() && Instance::new((), scale(f32::MAX)).is_ok());
+        let placed = Placed { shape: TRIANGLE, object_to_world: tiny };
+        let ray = ray(v(0.25, 0.25, -1.0) * 2f32.powi(-129), v(0.0, 0.0, 2f32.powi(-129)));
+        let double = <Instance<MollerTrumbore<f32>, SubtractFirstF64<DVec3>>>::prepare(&placed);
+        assert_eq!(Intersect::<f32>::hit(&double, &ray).t, 1.0);
+        assert!(!Intersect::<f32>::hit(&<Instance<MollerTrumbore<f32>>>::prepare(&placed), &ray).mask);
+        // As nearly singular as columns of about unit size can be: an angle of one unit in the last place.
+        let nearly = Mat3::from_cols(v(1.0, 1.0, 0.0), v(1.0, 1f32.next_up(), 0.0), Vec3::Z);
+        let instance = Instance::new((), Affine3 { matrix3: nearly, ..Affine3::IDENTITY }).unwrap();
+        assert_eq!(
+            instance.ray_to_object(&super::ray(v(1.0, 1.0, 1.0), v(0.0, f32::EPSILON, 0.0))).origin,
+            v(1.0, 0.0, 1.0)
+        );
+    }
+
     #[test]
     fn transforms_without_inverse_are_refused() {
         let identity = Affine3::IDENTITY;
@@ -136,7 +186,7 @@ mod instances {
         for object_to_world in [flat, dependent, infinite, nan] {
             let error = Instance::new(MollerTrumbore::prepare(&TRIANGLE), object_to_world).unwrap_err();
             assert!(error.to_string().starts_with("transform has no inverse"), "{error}");
-            let prepared = Instance::<MollerTrumbore<f32>>::prepare(&Placed { shape: TRIANGLE, object_to_world });
+            let prepared = <Instance<MollerTrumbore<f32>>>::prepare(&Placed { shape: TRIANGLE, object_to_world });
             assert!(!Intersect::<f32>::hit(&prepared, &ray(v(0.25, 0.25, -1.0), Vec3::Z)).mask);
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use raylanes::geom::{Aabb, Shape, Triangle};
+use raylanes::geom::{Aabb, Placed, Shape, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
 use raylanes::study::accuracy::Kernels;
@@ -21,16 +21,26 @@ impl<S: Shape> Visitor<S> for Ids {
     }
 }
 
-/// How many steps and maps the kernels of this ID go through.
-fn extent_of(id: &str) -> [usize; 2] {
+/// What the regimes of the kernel of this ID are listed under.
+fn title_of(id: &str) -> String {
+    match id.split('/').collect::<Vec<_>>()[..] {
+        ["instance", _, inner, _] => format!("instance of {inner}"),
+        [family, _] => family.into(),
+        _ => panic!("{id} is no ID"),
+    }
+}
+
+/// How many steps and maps the kernels listed under this title go through.
+fn extent_of(title: &str) -> [usize; 2] {
     fn of<S: Subject>() -> [usize; 2] {
         [S::REGIMES.iter().map(|regime| regime.steps.len()).sum(), S::MAPS.len()]
     }
-    match id.split('/').next().unwrap() {
+    match title {
         "triangle" => of::<Triangle>(),
         "aabb" => of::<Aabb>(),
-        "instance" => [0; 2],
-        other => panic!("which regimes does the family {other} have?"),
+        "instance of triangle" => of::<Placed<Triangle>>(),
+        "instance of aabb" => of::<Placed<Aabb>>(),
+        other => panic!("which regimes are listed under {other}?"),
     }
 }
 
@@ -43,16 +53,16 @@ fn every_kernel_is_measured_and_charted() {
     for id in &ids.0 {
         assert_eq!(record.kernels.iter().filter(|row| row.id == *id).count(), 1, "{id}");
         // Three faces, one and two threads; two workloads without steps.
-        let [steps, maps] = extent_of(id);
+        let [steps, maps] = extent_of(&title_of(id));
         assert_eq!(record.speed.iter().filter(|row| row.id == *id).count(), 6, "{id}");
         assert_eq!(record.accuracy.iter().filter(|row| row.id == *id).count(), 2 + steps, "{id}");
         assert_eq!(record.map_cells.iter().filter(|row| row.id == *id).count(), maps, "{id}");
     }
     for regime in &record.regimes {
         let rows =
-            record.accuracy.iter().filter(|row| row.workload == regime.name && row.id.starts_with(&regime.family));
+            record.accuracy.iter().filter(|row| row.workload == regime.name && title_of(&row.id) == regime.family);
         let steps: Vec<f64> = rows.clone().map(|row| row.severity.unwrap()).collect();
-        let kernels = ids.0.iter().filter(|id| id.starts_with(&regime.family)).count();
+        let kernels = ids.0.iter().filter(|id| title_of(id) == regime.family).count();
         assert_eq!(steps.len(), regime.steps.len() * kernels, "{}", regime.name);
         assert!(regime.steps.len() >= 6 && regime.steps.iter().all(|step| steps.contains(step)), "{}", regime.name);
         assert!(rows.clone().all(|row| row.rays >= 1_000), "{}", regime.name);
@@ -60,7 +70,7 @@ fn every_kernel_is_measured_and_charted() {
     }
     for map in &record.maps {
         assert_eq!(map.hits.len(), map.x.len() * map.y.len());
-        for cells in record.map_cells.iter().filter(|cells| cells.map == map.name && cells.id.starts_with(&map.family))
+        for cells in record.map_cells.iter().filter(|cells| cells.map == map.name && title_of(&cells.id) == map.family)
         {
             assert_eq!(cells.t_ulp_p99.len(), map.x.len() * map.y.len());
             assert!(cells.t_ulp_p99[0].is_some(), "{} fails in the easiest cell of {}", cells.id, map.name);

@@ -16,7 +16,9 @@ pub(super) struct Group<'a> {
     pub(super) title: String,
     /// What all IDs begin with; a whole number of their parts, with the last slash.
     pub(super) prefix: String,
-    /// What is hit in the end, and so which regimes apply: `triangle`.
+    /// The title, or, of instances that all have one kernel inside, which one: `instance of triangle/moller_trumbore`.
+    pub(super) subject: String,
+    /// What is hit in the end: `triangle`.
     pub(super) shape: &'a str,
     /// Whether rays were aimed at meshes, so that [`Figures::lost`] counts leaks.
     pub(super) mesh: bool,
@@ -117,10 +119,28 @@ impl<'a> Figures<'a> {
 
 /// The kernels of a record, grouped, in its order.
 pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
+    grouped(record, record.kernels.iter())
+}
+
+/// The same, with only those instances whose inner kernel is that of several methods: regimes and maps, which are about
+/// the transform, then compare methods with one kernel inside, and not kernels.
+pub(super) fn groups_of_methods(record: &Record) -> Vec<Group<'_>> {
+    let is_of_several = |kernel: &&KernelRow| match inner(&kernel.id) {
+        Some(own) => record.kernels.iter().filter(|other| inner(&other.id) == Some(own)).count() > 1,
+        None => true,
+    };
+    grouped(record, record.kernels.iter().filter(is_of_several))
+}
+
+/// What an instance is of: an instance is named `instance/method/family/method`, anything else `family/method`.
+fn inner(id: &str) -> Option<&str> {
+    id.splitn(3, '/').nth(2)
+}
+
+fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a KernelRow>) -> Vec<Group<'a>> {
     let mut groups: Vec<(&str, Option<&str>, Vec<&KernelRow>)> = Vec::new();
-    for kernel in &record.kernels {
-        // An instance is named `instance/method/family/method`, anything else `family/method`.
-        let key = (kernel.family.as_str(), kernel.id.split('/').nth(2));
+    for kernel in kernels {
+        let key = (kernel.family.as_str(), inner(&kernel.id).and_then(|inner| inner.split('/').next()));
         match groups.iter_mut().find(|(family, inner, _)| (*family, *inner) == key) {
             Some((.., kernels)) => kernels.push(kernel),
             None => groups.push((key.0, key.1, vec![kernel])),
@@ -132,7 +152,11 @@ pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
 fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernels: &[&'a KernelRow]) -> Group<'a> {
     let title = inner.map_or(family.to_owned(), |inner| format!("{family} of {inner}"));
     let shape = inner.unwrap_or(family);
+    let own =
+        self::inner(&kernels[0].id).filter(|own| kernels.iter().all(|kernel| self::inner(&kernel.id) == Some(own)));
+    let subject = own.map_or(title.clone(), |own| format!("{family} of {own}"));
     let prefix = common_prefix(kernels);
+    let suffix = common_suffix(kernels, prefix);
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
     let losing = losing_workloads(record, shape, mesh, kernels);
     let kernels = kernels
@@ -147,14 +171,14 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
             let lost = worst.map(|(rate, _)| if rate.per_million == 0.0 { Rate { of: all, ..*rate } } else { *rate });
             Figures {
                 kernel,
-                name: &kernel.id[prefix.len()..],
+                name: &kernel.id[prefix.len()..kernel.id.len() - suffix.len()],
                 lost,
                 lost_in: worst.filter(|(rate, _)| rate.per_million > 0.0).map(|&(_, row)| row),
                 record,
             }
         })
         .collect();
-    Group { title, prefix: prefix.to_owned(), shape, mesh, losing, kernels }
+    Group { title, prefix: prefix.to_owned(), subject, shape, mesh, losing, kernels }
 }
 
 fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = &'a AccuracyRow> {
@@ -178,6 +202,13 @@ fn common_prefix<'a>(kernels: &[&'a KernelRow]) -> &'a str {
     let first = kernels[0].id.as_str();
     let mut ends = first.match_indices('/').map(|(slash, _)| &first[..=slash]);
     ends.rfind(|prefix| kernels.iter().all(|kernel| kernel.id.starts_with(prefix))).unwrap_or("")
+}
+
+/// The longest common ending, after the prefix, that begins with a slash.
+fn common_suffix<'a>(kernels: &[&'a KernelRow], prefix: &str) -> &'a str {
+    let first = &kernels[0].id[prefix.len()..];
+    let mut starts = first.match_indices('/').map(|(slash, _)| &first[slash..]);
+    starts.find(|suffix| kernels.iter().all(|kernel| kernel.id[prefix.len()..].ends_with(suffix))).unwrap_or("")
 }
 
 /// Rays that hit a mesh and are lost.
@@ -522,8 +553,24 @@ mod tests {
         let groups = groups(&record);
         let titles: Vec<_> = groups.iter().map(|group| group.title.as_str()).collect();
         assert_eq!(titles, ["triangle", "aabb", "instance of triangle", "instance of aabb"]);
-        assert_eq!(groups[2].prefix, "instance/subtract_first/triangle/");
-        assert_eq!(groups[2].kernels[1].name, "moller_trumbore");
+        assert_eq!((groups[2].prefix.as_str(), groups[2].kernels.len()), ("instance/", 12));
+        assert_eq!(groups[2].kernels[1].name, "subtract_first/triangle/moller_trumbore");
         assert!(groups[2].mesh && !groups[3].mesh);
+    }
+
+    #[test]
+    fn methods_are_compared_with_one_kernel_inside() {
+        let record = record_of(&all_ids());
+        let names = |group: &Group| group.kernels.iter().map(|kernel| kernel.name.to_owned()).collect::<Vec<_>>();
+        let (groups, methods) = (groups(&record), groups_of_methods(&record));
+        assert_eq!([0, 1].map(|base| names(&methods[base])), [0, 1].map(|base| names(&groups[base])));
+        assert_eq!(methods[2].title, "instance of triangle");
+        assert_eq!(methods[2].subject, "instance of triangle/moller_trumbore");
+        assert_eq!([&methods[0].subject, &groups[2].subject], ["triangle", "instance of triangle"]);
+        assert_eq!(names(&methods[2]), ["subtract_first", "inverse", "f64", "baked"]);
+        assert_eq!(names(&methods[3]), ["subtract_first", "inverse", "f64"]);
+        // One method is nothing to compare.
+        let record = record_of(&["triangle/cramer".into(), "instance/subtract_first/triangle/cramer".into()]);
+        assert_eq!(groups_of_methods(&record).len(), 1);
     }
 }

@@ -18,13 +18,23 @@ const TRIANGLES: [&str; 9] = [
 ];
 const BOXES: [&str; 5] = ["division", "reciprocal", "sign_selected", "fused", "padded"];
 
+const METHODS: [(&str, &str); 5] = [
+    ("inverse", "triangle/moller_trumbore"),
+    ("f64", "triangle/moller_trumbore"),
+    ("baked", "triangle/moller_trumbore"),
+    ("inverse", "aabb/padded"),
+    ("f64", "aabb/padded"),
+];
+
 /// The kernels of a full registry.
 pub(super) fn all_ids() -> Vec<String> {
     let bases = || {
         let triangles = TRIANGLES.iter().map(|name| format!("triangle/{name}"));
         triangles.chain(BOXES.iter().map(|name| format!("aabb/{name}")))
     };
-    bases().chain(bases().map(|id| format!("instance/subtract_first/{id}"))).collect()
+    let instances = bases().map(|id| format!("instance/subtract_first/{id}"));
+    let methods = METHODS.iter().map(|(method, inner)| format!("instance/{method}/{inner}"));
+    bases().chain(instances).chain(methods).collect()
 }
 
 /// A record of the given kernels with plausible figures, differing from kernel to kernel.
@@ -120,7 +130,7 @@ fn regimes() -> Vec<RegimeRow> {
     };
     let scale: Vec<f64> = (-5..=5).map(|step| 10f64.powi(3 * step)).collect();
     let fans = [4.0, 16.0, 64.0, 256.0, 1024.0, 8192.0, 65_536.0].to_vec();
-    let rows: [(&str, &str, &str, Vec<f64>, bool); 17] = [
+    let rows: [(&str, &str, &str, Vec<f64>, bool); 19] = [
         ("triangle", "grazing", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
         ("triangle", "sliver", "length / height of the triangle", tens(1, 6), false),
         ("triangle", "offset", "distance from the origin / size", tens(0, 6), false),
@@ -144,6 +154,8 @@ fn regimes() -> Vec<RegimeRow> {
         ("aabb", "offset", "distance from the origin / size", tens(0, 6), false),
         ("aabb", "distance", "length of the ray / size", tens(0, 5), false),
         ("aabb", "scale", "size of box and ray (units)", scale, false),
+        ("instance of triangle", "translation", "distance from the origin / size", tens(0, 6), false),
+        ("instance of aabb", "translation", "distance from the origin / size", tens(0, 6), false),
     ];
     let row = |(family, name, axis, steps, mesh): (&str, &str, &str, Vec<f64>, bool)| RegimeRow {
         family: family.into(),
@@ -174,6 +186,7 @@ fn maps() -> Vec<MapRow> {
         map("triangle", "offset-aspect", "distance from the origin / size", "length / height of the triangle"),
         map("triangle", "distance-grazing", "length of the ray / size", "1 / angle to the plane (1/rad)"),
         map("aabb", "offset-distance", "distance from the origin / size", "length of the ray / size"),
+        map("instance of triangle", "translation-shear", "distance from the origin / size", "condition number"),
     ]
 }
 
@@ -235,9 +248,7 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
         record.claims.push(ClaimRow { id: id.into(), claim: (*claim).into(), claimed, violations, of: 100_000 });
     }
     let family = id.rsplit('/').nth(1).unwrap_or_default();
-    if id.starts_with("instance") {
-        return;
-    }
+    let family = if id.starts_with("instance") { format!("instance of {family}") } else { family.into() };
     for regime in record.regimes.iter().filter(|regime| regime.family == family) {
         let rows = regime.steps.iter().enumerate().map(|(step, _)| regime_row(regime, i, id, step));
         record.accuracy.extend(rows);

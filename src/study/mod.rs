@@ -113,10 +113,10 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: Vec::new(),
         map_cells: Vec::new(),
     };
-    accuracy.of::<Triangle>(0.0..0.55);
-    accuracy.of::<Aabb>(0.55..0.8);
-    accuracy.of::<Placed<Triangle>>(0.8..0.9);
-    accuracy.of::<Placed<Aabb>>(0.9..1.0);
+    accuracy.of::<Triangle>(0.0..0.45);
+    accuracy.of::<Aabb>(0.45..0.65);
+    accuracy.of::<Placed<Triangle>>(0.65..0.85);
+    accuracy.of::<Placed<Aabb>>(0.85..1.0);
 
     let mut tracer = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (512, 9) };
@@ -186,7 +186,7 @@ impl Accuracy<'_> {
                 self.rows.extend(kernels.on_regime(regime, severity, rays, self.seed));
             }
             self.regimes.push(RegimeRow {
-                family: S::FAMILY.into(),
+                family: S::title(),
                 name: regime.name.into(),
                 about: regime.about.into(),
                 axis: regime.axis.into(),
@@ -201,7 +201,7 @@ impl Accuracy<'_> {
             let (hits, cells) = kernels.on_map(map, rays, self.seed);
             self.map_cells.extend(cells);
             self.maps.push(MapRow {
-                family: S::FAMILY.into(),
+                family: S::title(),
                 name: map.name.into(),
                 x_axis: map.x.title.into(),
                 x: map.x.steps(),

@@ -97,7 +97,7 @@ pub struct AbsentRow {
 /// A workload that gets harder step by step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegimeRow {
-    /// `triangle` or `aabb`: the family of kernels that it is for.
+    /// The kernels that it is for: of a family, `triangle`, or instances, `instance of triangle`.
     pub family: String,
     /// Name, unique within the family: `grazing`.
     pub name: String,
@@ -129,7 +129,7 @@ pub struct ClaimRow {
 /// A failure map: a workload with two severities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapRow {
-    /// `triangle` or `aabb`.
+    /// The kernels that it is for, as in [`RegimeRow::family`].
     pub family: String,
     /// Name, unique within the family: `offset-aspect`.
     pub name: String,

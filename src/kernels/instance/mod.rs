@@ -2,8 +2,174 @@
 //!
 //! Instead of the shape, the ray is transformed, by the inverse: `origin' = L⁻¹(origin - T)`, `dir' = L⁻¹ dir`, where
 //! `x ↦ L x + T` takes the object to the world. The direction is never renormalised, so `t` means the same in both
-//! spaces, and the interval is taken over as it is.
+//! spaces, and the interval is taken over as it is. The methods, one file each, differ in where they round. Only
+//! `instance/baked` transforms the shape; it is what the others are to be compared with.
 
+mod baked;
+mod f64;
+mod inverse;
 mod subtract_first;
 
-pub use subtract_first::{Instance, SingularTransform};
+pub use baked::Baked;
+pub use f64::SubtractFirstF64;
+pub use inverse::Inverse;
+pub use subtract_first::SubtractFirst;
+
+use glam::{Affine3, DMat3};
+use wide::f32x8;
+
+use crate::geom::{Hit, Lanes, Placed, Ray};
+use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
+
+/// An instance of anything that can be intersected (`W` a transform for one ray), or eight instances of eight prepared
+/// primitives (`W` eight such transforms).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance<T, W = SubtractFirst<f32>> {
+    /// What is put into the world, in its own coordinates.
+    object: T,
+    /// How rays come to it.
+    world_to_object: W,
+}
+
+/// One transform of one ray (`L = f32`), or of eight rays by one transform or by eight (`L = f32x8`): the twins of a
+/// method.
+pub trait RayTransform<L: Lanes>: Copy {
+    /// The ray as the object sees it.
+    fn ray_to_object(&self, ray: &Ray<L>) -> Ray<L>;
+}
+
+/// A method of transforming rays; implemented by its scalar form.
+pub trait TransformMethod:
+    RayTransform<f32> + RayTransform<f32x8> + core::fmt::Debug + PartialEq + Send + Sync + 'static
+{
+    /// Eight transforms.
+    type Packet: RayTransform<f32x8> + Send + Sync;
+    /// Name, idea, source, and the operations that come on top of the inner kernel's.
+    const INFO: Info;
+    /// Where every ray has direction zero, and so misses.
+    const NOWHERE: Self;
+
+    /// What does not depend on the ray.
+    ///
+    /// # Errors
+    /// If the transform has no inverse, or not in the method's precision.
+    fn prepare(object_to_world: &Affine3) -> Result<Self, SingularTransform>;
+
+    /// Lane `i` becomes `transforms[i]`.
+    fn gather(transforms: [Self; 8]) -> Self::Packet;
+}
+
+/// The transform has no inverse: its linear part is singular or not finite, or its inverse exceeds the range of the
+/// numbers that it is to be stored in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularTransform {
+    /// The transform that was refused.
+    pub transform: Affine3,
+}
+
+impl core::fmt::Display for SingularTransform {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let (columns, translation) = (self.transform.matrix3.to_cols_array_2d(), self.transform.translation.to_array());
+        write!(f, "transform has no inverse: columns {columns:?}, translation {translation:?}")
+    }
+}
+
+impl core::error::Error for SingularTransform {}
+
+/// L⁻¹, if the transform has an inverse.
+fn inverse_linear(transform: &Affine3) -> Result<DMat3, SingularTransform> {
+    let linear = transform.matrix3.as_dmat3();
+    if transform.is_finite() && !is_singular(&linear) {
+        Ok(linear.inverse())
+    } else {
+        Err(SingularTransform { transform: *transform })
+    }
+}
+
+/// Whether a determinant of `f32` numbers, computed in `f64`, cannot be told from zero. True of every matrix that is
+/// exactly singular, whatever rounding leaves of its determinant.
+fn is_singular(matrix: &DMat3) -> bool {
+    // Products of two entries are exact, so each cofactor is rounded once; then there are three products and two sums.
+    let cofactors = matrix.x_axis.cross(matrix.y_axis);
+    let rounding = 5.0 * 1.110_223_024_625_156_5e-16 * matrix.z_axis.abs().dot(cofactors.abs());
+    matrix.z_axis.dot(cofactors).abs() <= rounding
+}
+
+impl<T, W> Instance<T, W> {
+    /// What is put into the world, in its own coordinates.
+    pub fn object(&self) -> &T {
+        &self.object
+    }
+
+    /// The ray as the object sees it.
+    #[inline(always)]
+    pub fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32>
+    where
+        W: RayTransform<f32>,
+    {
+        self.world_to_object.ray_to_object(ray)
+    }
+
+    /// [`Instance::ray_to_object`] in eight lanes.
+    #[inline(always)]
+    pub fn rays_to_object(&self, rays: &Ray<f32x8>) -> Ray<f32x8>
+    where
+        W: RayTransform<f32x8>,
+    {
+        self.world_to_object.ray_to_object(rays)
+    }
+}
+
+impl<L: Lanes, T: Intersect<L>, W: RayTransform<L>> Intersect<L> for Instance<T, W> {
+    type Setup = ();
+
+    #[inline(always)]
+    fn setup(_: &Ray<L>) {}
+
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<L>, (): &()) -> Hit<L> {
+        let ray = self.world_to_object.ray_to_object(ray);
+        self.object.closest_hit(&ray, &T::setup(&ray))
+    }
+
+    #[inline(always)]
+    fn any_hit(&self, ray: &Ray<L>, (): &()) -> L::Mask {
+        let ray = self.world_to_object.ray_to_object(ray);
+        self.object.any_hit(&ray, &T::setup(&ray))
+    }
+}
+
+impl<K: Kernel, W: TransformMethod> Kernel for Instance<K, W> {
+    type Shape = Placed<K::Shape>;
+    type Packet = Instance<K::Packet, W::Packet>;
+    const INFO: Info = K::INFO.inside(W::INFO);
+
+    fn prepare(shape: &Self::Shape) -> Self {
+        let world_to_object = W::prepare(&shape.object_to_world).unwrap_or(W::NOWHERE);
+        Self { object: K::prepare(&shape.shape), world_to_object }
+    }
+
+    fn gather(primitives: &[Self; 8]) -> Self::Packet {
+        Instance {
+            object: K::gather(&primitives.map(|instance| instance.object)),
+            world_to_object: W::gather(primitives.map(|instance| instance.world_to_object)),
+        }
+    }
+}
+
+impl Info {
+    /// What an instance of this kernel says about itself. It promises nothing: two instances that share an edge in the
+    /// world are hit by two differently rounded rays.
+    const fn inside(self, method: Self) -> Self {
+        Self {
+            id: Id { method: method.id.method, inner: Some(self.id.method) },
+            operations: Operations {
+                mul: self.operations.mul + method.operations.mul,
+                add: self.operations.add + method.operations.add,
+                div: self.operations.div + method.operations.div,
+            },
+            claims: &[],
+            ..method
+        }
+    }
+}

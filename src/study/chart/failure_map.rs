@@ -73,7 +73,7 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
     let pitch = (longest as f64 * ADVANCE).ceil() as i32 + GAP;
     let layouts: Vec<Layout> = maps.iter().map(|map| Layout::new(map, group.kernels.len() as i32, pitch)).collect();
     let width = layouts.iter().map(Layout::width).max().unwrap_or(0).max(WIDTH);
-    let title = format!("{}: {TITLE}", group.title);
+    let title = format!("{}: {TITLE}", group.subject);
     let remarks = [
         "Colour: the error of t that 99 % of a cell's rays do not exceed, in units in the last place (ulp); all rays \
          exactly hit strictly inside."

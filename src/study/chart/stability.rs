@@ -16,7 +16,7 @@ const LEGEND_HEIGHT: i32 = LINE + 12;
 pub(super) fn svg(record: &Record, group: &Group, regime: &RegimeRow) -> String {
     let panels: Vec<_> = measures(group, regime).map(|measure| panel(group, regime, measure)).collect();
     let (plot, width) = widths(panels.iter());
-    let title = format!("{}, {}: {}", group.title, regime.name.replace('_', " "), regime.about);
+    let title = format!("{}, {}: {}", group.subject, regime.name.replace('_', " "), regime.about);
     let remarks = [BOUND.to_owned(), machine(record)];
     let top = header_height(width, &title, &remarks) + LEGEND_HEIGHT;
     canvas((width, top + stack_height(&panels) + MARGIN), |root| {

@@ -20,7 +20,7 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
         format!(
             "### What fails where\n\nA kernel fails at a step where more than {} % of the answers of one kind are wrong, or \
              the 99th percentile of the error of `t` exceeds {FAILING_ULP} ulp. False hits of boxes are no failure: they cost \
-             a look inside. Brackets give the figures at the first such \
+             a look inside. Of instances, the methods are compared, with the same kernel inside. Brackets give the figures at the first such \
              step, or, of a kernel that holds, what it got wrong nevertheless.",
             number(FAILING_RATE / 1e4, 1)
         ),
@@ -41,7 +41,7 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
 /// The kernels that were measured in a regime.
 fn kernels_of<'a>(groups: &'a [Group<'a>], regime: &'a RegimeRow) -> impl Iterator<Item = &'a Figures<'a>> {
     let measured = |kernel: &&Figures| regime.steps.iter().any(|&step| kernel.at_step(&regime.name, step).is_some());
-    let groups = groups.iter().filter(|group| group.shape == regime.family);
+    let groups = groups.iter().filter(|group| group.title == regime.family);
     groups.flat_map(|group| &group.kernels).filter(measured)
 }
 
@@ -100,7 +100,7 @@ fn steps(kernels: &[&Figures], regime: &RegimeRow, measure: Measure) -> String {
 
 /// Two severities at once.
 pub(super) fn failure_maps(record: &Record, groups: &[Group]) -> Vec<String> {
-    let shown = groups.iter().filter(|group| group.is_base() && !maps_of(record, group).is_empty());
+    let shown = groups.iter().filter(|group| !maps_of(record, group).is_empty());
     let images: Vec<_> = shown.map(|group| format!("![{}]({})", group.title, failure_map_file(group))).collect();
     if images.is_empty() {
         return Vec::new();
@@ -162,13 +162,13 @@ pub(super) fn absent(record: &Record) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::figures::groups;
+    use crate::study::figures::{groups, groups_of_methods};
     use crate::study::fixture::{all_ids, record_of};
 
     #[test]
     fn the_summary_separates_right_from_failing_and_begins_with_the_earliest() {
         let record = record_of(&all_ids());
-        let summary = what_fails_where(&record, &groups(&record));
+        let summary = what_fails_where(&record, &groups_of_methods(&record));
         let line = |start: &str| summary.lines().find(|line| line.starts_with(start)).unwrap().to_owned();
         // The made-up rates grow eightfold from a step on that comes later with each kernel; the fourth never errs.
         let line = line("| triangle, sliver | 1e6 |");
@@ -178,19 +178,27 @@ mod tests {
             (cells[3].find("`cramer` from 1e5 (").unwrap(), cells[3].find("`moller_trumbore` ").unwrap());
         assert!(first < later, "{line}");
         assert_eq!(summary.lines().count(), 2 + record.regimes.len());
+        // Methods by their own names alone, and each once.
+        let line =
+            summary.lines().find(|line| line.starts_with("| instance of triangle, translation | 1e6 |")).unwrap();
+        for method in ["subtract_first", "inverse", "f64", "baked"] {
+            assert_eq!(line.matches(&format!("`{method}`")).count(), 1, "{line}");
+        }
+        assert!(!line.contains("cramer"), "{line}");
     }
 
     #[test]
     fn every_regime_has_its_chart_and_a_table_for_each_measure() {
         let record = record_of(&all_ids());
-        let text = stability(&record, &groups(&record)).join("\n\n");
+        let groups = groups_of_methods(&record);
+        let text = stability(&record, &groups).join("\n\n");
         for regime in &record.regimes {
             let section = text.split("\n### ").find(|section| section.contains(&stability_file(regime))).unwrap();
             assert!(section.contains(&regime.about));
-            let kernels = record.kernels.iter().filter(|kernel| kernel.family == regime.family);
-            for kernel in kernels {
-                let rows = section.matches(&format!("\n| `{}` |", kernel.id)).count();
-                assert_eq!(rows, Measure::of(regime).len(), "{} {}", regime.name, kernel.id);
+            let group = groups.iter().find(|group| group.title == regime.family).unwrap();
+            for kernel in &group.kernels {
+                let rows = section.matches(&format!("\n| `{}` |", kernel.kernel.id)).count();
+                assert_eq!(rows, Measure::of(regime).len(), "{} {}", regime.name, kernel.kernel.id);
             }
         }
         assert!(text.contains("| 0 (< 150) |"), "a zero over 20,000 rays is a bound");

@@ -4,8 +4,8 @@ mod failures;
 
 use crate::study::chart::{SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
 use crate::study::figures::{
-    Cell, Figures, Grid, Group, MISSING, Rate, count, groups, number, si, thread_counts, times, tracer_cells,
-    tracer_header, tracer_rows,
+    Cell, Figures, Grid, Group, MISSING, Rate, count, groups, groups_of_methods, number, si, thread_counts, times,
+    tracer_cells, tracer_header, tracer_rows,
 };
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
@@ -19,8 +19,9 @@ pub(super) fn report_markdown(record: &Record) -> String {
         parts.push(format!("![Speed against accuracy of instances]({SPEED_ACCURACY_INSTANCES})"));
     }
     parts.extend(failures::absent(record));
-    parts.extend(failures::stability(record, &groups));
-    parts.extend(failures::failure_maps(record, &groups));
+    let methods = groups_of_methods(record);
+    parts.extend(failures::stability(record, &methods));
+    parts.extend(failures::failure_maps(record, &methods));
     parts.extend(failures::claims(record, &groups));
     parts.push(ACCURACY.to_owned());
     for workload in workloads(record) {
@@ -368,14 +369,19 @@ mod tests {
     use crate::study::chart::charts;
     use crate::study::failures::Measure;
     use crate::study::fixture::{all_ids, degenerate_records, record_of};
+    use crate::study::record::RegimeRow;
 
     #[test]
     fn every_kernel_is_in_every_table() {
         let record = record_of(&all_ids());
         let report = report_markdown(&record);
+        let methods = groups_of_methods(&record);
         for kernel in &record.kernels {
             // Kernels, claims, two tables for each of two workloads, and checksums; and one for each measure of a regime.
-            let regimes = record.regimes.iter().filter(|regime| regime.family == kernel.family);
+            let mut groups = methods.iter();
+            let group = groups.find(|group| group.kernels.iter().any(|shown| shown.kernel.id == kernel.id));
+            let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
+            let regimes = record.regimes.iter().filter(is_shown);
             let tables = 7 + regimes.map(|regime| Measure::of(regime).len()).sum::<usize>();
             assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
         }

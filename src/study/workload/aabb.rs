@@ -166,6 +166,10 @@ impl Subject for Aabb {
             }
         }
     }
+
+    fn easy(rng: &mut Pcg64) -> Sample<Self> {
+        Sample::of(generic_box(rng), rng, |shape, rng| ray_at(inside_or_past(shape, rng), rng))
+    }
 }
 
 /// A box of about unit size near the world's origin.

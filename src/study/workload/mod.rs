@@ -123,8 +123,19 @@ pub trait Subject: Exact + Registered {
     /// Its failure maps.
     const MAPS: &'static [FailureMap<Self>];
 
+    /// What its regimes and maps are listed under: the title of the group of kernels that they are for.
+    fn title() -> String {
+        Self::FAMILY.into()
+    }
+
     /// A sample of a workload.
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self>;
+
+    /// One shape of about unit size and rays into it or past it from a few units away, none of which is hard for any
+    /// kernel: what goes wrong with it [`Placed`](crate::geom::Placed) is then due to the transform.
+    fn easy(rng: &mut Pcg64) -> Sample<Self> {
+        Self::sample(Workload::Generic, rng)
+    }
 }
 
 /// The generator of one sample: it depends on nothing but these, so samples can be made in any order and on any thread.

@@ -169,6 +169,11 @@ impl Subject for Triangle {
             }
         }
     }
+
+    fn easy(rng: &mut Pcg64) -> Sample<Self> {
+        let plane = frame(rng);
+        Sample::of(regular(plane, 1.0, rng), rng, |shape, rng| steep_ray(inside_or_past(shape, rng), plane, rng))
+    }
 }
 
 fn map(shape: &Triangle, change: impl Fn(Vec3) -> Vec3) -> Triangle {
