@@ -15,7 +15,7 @@ use raylanes::tracer::{
 };
 
 use random::Random;
-use worlds::{built_in, unit, vec3};
+use worlds::{built_in_mesh, unit, vec3};
 
 /// Rays that make trouble: at vertices and edges, where triangles tie; along axes, within the planes of boxes; with every
 /// kind of interval; and some that miss everything.
@@ -129,7 +129,7 @@ fn check(source: &SceneSource) {
     rays.extend(hard_rays(mesh, 8_000));
     // About 20 million tests by brute force, whatever the size of the mesh.
     let stride = (rays.len() * mesh.len() / 20_000_000).max(1);
-    registry::triangles(&mut EveryKernel { name: &source.name(), world: mesh.clone().into(), rays: &rays, stride });
+    registry::triangles(&mut EveryKernel { name: &source.name(), world, rays: &rays, stride });
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn real_scenes_have_identical_hits() {
 /// Triangles that tie in `t`: each is there several times, and the copies are in different leaves.
 #[test]
 fn the_lower_primitive_number_wins_ties() {
-    let mesh = built_in("sphere:small");
+    let mesh = built_in_mesh("sphere:small");
     let copies = 5;
     let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
     let many =
@@ -326,7 +326,7 @@ fn world_boxes_are_rounded_outwards() {
 /// A mesh has the hits of an instance of it by the identity also among other instances.
 #[test]
 fn the_identity_changes_nothing() {
-    let mesh = built_in("sphere:1e3");
+    let mesh = built_in_mesh("sphere:1e3");
     let rays = hard_rays(&mesh, 4_000);
     let alone = trace(&Scene::<MollerTrumbore<f32>>::from(mesh.clone()), &rays, false, Mode::Scalar);
     let at = |object_to_world| Placement { geometry: 0, object_to_world, paint: Paint::Own };

@@ -1,29 +1,4 @@
 //! Scene files, in TOML: meshes and quadrics, instances of them, a camera and a light.
-//!
-//! | table | keys |
-//! | --- | --- |
-//! | `[camera]` | `eye`, `look_at`; if wanted, `field_of_view` (vertical, in degrees, else 45) and `transform`, which is applied to the camera that these describe |
-//! | `[light]` | `point`, where it is, or `direction`, towards it |
-//! | `[[mesh]]` | `name`, and `file`, an OBJ file whose path starts at the scene file, or `generator`: `room`, `terrain`, `sphere`, `tree`, with a size if you like (`terrain:1e6`, else 100,000 triangles), or `square` |
-//! | `[[quadric]]` | `name`, and one of `sphere`, `ellipsoid`, `paraboloid`, `elliptic_paraboloid`, `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`, each a table of what the [constructor](crate::geom::Quadric) of that name takes; or `coefficients`, ten of them, of x², y², z², yz, zx, xy, x, y, z, 1, with `clip = { lo, hi }` |
-//! | `[[instance]]` | `of`, a name; if wanted, `transform`, and `color` or `checker`, else it has the mesh's own colours, or is white |
-//! | `[[scatter]]` | many instances: `of`, `count`; if wanted, `seed`, `on`, `area = { lo, hi }`, `transform`, `scale = [least, greatest]`, `lean`, and `color` or `checker` |
-//!
-//! A `transform` is a list of steps, the first one applied first: `{ translate = [x, y, z] }`, `{ scale = [x, y, z] }`,
-//! `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`, `{ shear = { axis = "x", by = "y", factor = 0.5 } }`; see
-//! [`Transform3`]. A checker has two `colors` and a `transform` of its own, in the plane, from the surface's (u, v) to unit
-//! squares: `translate`, `scale`, `rotate`, `shear_x`, `shear_y`; see [`Transform2`]. Colours are linear red, green and
-//! blue from 0 to 1.
-//!
-//! A scatter puts its instances at random places of the area, a rectangle in x and z, at height 0; with `on`, the name of a
-//! mesh, on top of that mesh as its instances place it, and `area` need not be given. Each is scaled, turned about the y
-//! axis and sheared by up to `lean` times its height. The same file gives the same bits on every machine.
-//!
-//! Nothing is placed but by an instance or a scatter; what is never placed is told in a remark. Geometries are numbered
-//! meshes first, then quadrics, instances before what is scattered, each in the order of the file. Without camera or light
-//! there is that of [`View::around`].
-//!
-//! Whatever else stands in a file is an error that tells its line and key.
 
 mod fault;
 mod format;
@@ -52,10 +27,35 @@ use crate::geom::{Aabb, InvalidTransform, Transform2, Transform3};
 /// Longest file, in bytes. What needs more lines is a mesh or a scatter.
 const LONGEST: u64 = 1 << 24;
 
-/// Loads a scene file and the OBJ files it names.
+/// Loads a scene file, and the OBJ files it names.
+///
+/// | table | keys |
+/// | --- | --- |
+/// | `[camera]` | `eye`, `look_at`; if wanted, `field_of_view` (vertical, in degrees, else 45) and `transform`, which is applied to the camera that these describe |
+/// | `[light]` | `point`, where it is, or `direction`, towards it |
+/// | `[[mesh]]` | `name`, and `file`, an OBJ file whose path starts at the scene file, or `generator`: `room`, `terrain`, `sphere`, `tree`, with a size if you like (`terrain:1e6`, else 100,000 triangles), or `square` |
+/// | `[[quadric]]` | `name`, and one of `sphere`, `ellipsoid`, `paraboloid`, `elliptic_paraboloid`, `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`, each a table of what the [constructor](crate::geom::Quadric) of that name takes; or `coefficients`, ten of them, of x², y², z², yz, zx, xy, x, y, z, 1, with `clip = { lo, hi }` |
+/// | `[[instance]]` | `of`, a name; if wanted, `transform`, and `color` or `checker`, else it has the mesh's own colours, or is white |
+/// | `[[scatter]]` | many instances: `of`, `count`; if wanted, `seed`, `on`, `area = { lo, hi }`, `transform`, `scale = [least, greatest]`, `lean`, and `color` or `checker` |
+///
+/// A `transform` is a list of steps, the first one applied first: `{ translate = [x, y, z] }`, `{ scale = [x, y, z] }`,
+/// `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`, `{ shear = { axis = "x", by = "y", factor = 0.5 } }`; see
+/// [`Transform3`]. A checker has two `colors` and a `transform` of its own, in the plane, from the surface's (u, v) to unit
+/// squares: `translate`, `scale`, `rotate`, `shear_x`, `shear_y`; see [`Transform2`]. Colours are linear red, green and
+/// blue from 0 to 1.
+///
+/// A scatter puts its instances at random places of the area, a rectangle in x and z, at height 0; with `on`, the name of a
+/// mesh, on top of that mesh as its instances place it, and `area` need not be given. Each is scaled, turned about the y
+/// axis and sheared by up to `lean` times its height. The same file gives the same bits on every machine.
+///
+/// Nothing is placed but by an instance or a scatter; what is never placed is told in a remark. Geometries are numbered
+/// meshes first, then quadrics, instances before what is scattered, each in the order of the file. Without camera or light
+/// there is that of [`View::around`].
+///
+/// Whatever else stands in a file is an error that tells its line and key.
 ///
 /// # Errors
-/// If a file cannot be read or has something in it that makes no sense.
+/// If a file cannot be read, or has something in it that makes no sense.
 pub fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(Error::reading(path))?;

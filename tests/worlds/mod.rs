@@ -40,18 +40,18 @@ fn some_triangles(random: &mut Random) -> Mesh {
     )
 }
 
-/// The mesh of a built-in scene of one mesh.
-pub(crate) fn built_in(name: &str) -> Mesh {
-    let world = SceneSource::parse(name).unwrap().load().unwrap().world;
-    match world.into_parts().0.pop() {
+/// The first geometry of a built-in scene.
+pub(crate) fn built_in_mesh(name: &str) -> Mesh {
+    let (geometries, _) = SceneSource::parse(name).unwrap().load().unwrap().world.into_parts();
+    match geometries.into_iter().next() {
         Some(Geometry::Mesh(mesh)) => mesh,
-        other => panic!("{name} is no mesh, but {other:?}"),
+        other => panic!("{name} begins with {other:?}"),
     }
 }
 
 /// Meshes round, flat and loose, and every kind of quadric.
 pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
-    let sphere = built_in("sphere:1e3");
+    let sphere = built_in_mesh("sphere:1e3");
     let abc = Vec3::new(0.5, 0.75, 0.25);
     let meshes = [
         sphere,
