@@ -33,7 +33,7 @@ use wide::{f32x8, u32x8};
 use super::box_rule::Span;
 use super::bvh::Bvh;
 use super::mesh_tree::MeshTree;
-use super::traverse::keep_closer8;
+use super::traverse::{Child, Room, Visit, keep_closer8};
 use super::world_box::world_box;
 use super::{Geometry, Mesh, Placement, World};
 use crate::geom::lanes::{gt8, le8};
@@ -247,6 +247,15 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         }
     }
 
+    /// The one mesh of a world that is nothing else, and as it is: its hits are those of the scene.
+    #[inline(always)]
+    fn only_mesh(&self) -> Option<(&MeshTree<K>, &Mesh)> {
+        match (self.world.geometries(), &self.placed[..]) {
+            ([Geometry::Mesh(mesh)], [Placed { transform: None, .. }]) => Some((&self.trees[0], mesh)),
+            _ => None,
+        }
+    }
+
     #[inline(always)]
     pub(super) fn first_primitive(&self, instance: u32) -> u32 {
         self.prepared[self.placed[instance as usize].geometry as usize].first_primitive
@@ -265,8 +274,12 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     fn setup(_: &Ray<f32>) {}
 
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+        let mut room: Room<Visit<f32>> = [(f32::NEG_INFINITY, Child::ROOT); _];
+        if let Some((tree, mesh)) = self.only_mesh() {
+            return tree.closest_hit(mesh, ray, f32::INFINITY, &mut room);
+        }
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.closest_hit(ray, &setup, Hit::MISS, |slot, best| {
+        self.bvh.closest_hit(ray, &setup, Hit::MISS, &mut room, |slot, best, room| {
             let number = self.bvh.item_of_slot[slot];
             let (placed, object) = self.instance(number);
             let Some(span) = Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup) else { return };
@@ -278,7 +291,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
                 Object::Mesh(tree, mesh) => {
                     // A hit beyond the box is going to be clamped to its exit.
                     let farthest = if span.exit > best.t { best.t } else { f32::INFINITY };
-                    tree.closest_hit(mesh, &ray, farthest)
+                    tree.closest_hit(mesh, &ray, farthest, room)
                 }
                 Object::Quadric(quadric) => quadric.closest_hit(&ray),
             };
@@ -290,15 +303,19 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     }
 
     fn any_hit(&self, ray: &Ray<f32>, (): &()) -> bool {
+        let mut room: Room<Child> = [Child::ROOT; _];
+        if let Some((tree, mesh)) = self.only_mesh() {
+            return tree.any_hit(mesh, ray, &mut room);
+        }
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.any_hit(ray, &setup, |slot| {
+        self.bvh.any_hit(ray, &setup, &mut room, |slot, room| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             if Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup).is_none() {
                 return false;
             }
             let ray = placed.ray_to_object(ray);
             match object {
-                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray),
+                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray, room),
                 Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
             }
         })
@@ -311,8 +328,12 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
     fn setup(_: &Ray<f32x8>) {}
 
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+        let mut room: Room<Visit<f32x8>> = [(f32x8::splat(f32::NEG_INFINITY), Child::ROOT); _];
+        if let Some((tree, mesh)) = self.only_mesh() {
+            return tree.closest_hit8(mesh, ray, f32x8::splat(f32::INFINITY), &mut room);
+        }
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), |slot, best| {
+        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), &mut room, |slot, best, room| {
             let number = self.bvh.item_of_slot[slot];
             let (placed, object) = self.instance(number);
             let (inside, span) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
@@ -325,7 +346,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
                 Object::Mesh(tree, mesh) => {
                     // A hit beyond the box is going to be clamped to its exit.
                     let farthest = gt8(span.exit, best.t).select(best.t, f32x8::splat(f32::INFINITY));
-                    tree.closest_hit8(mesh, &ray, farthest)
+                    tree.closest_hit8(mesh, &ray, farthest, room)
                 }
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray),
             };
@@ -334,8 +355,12 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
     }
 
     fn any_hit(&self, ray: &Ray<f32x8>, (): &()) -> Mask8 {
+        let mut room: Room<Child> = [Child::ROOT; _];
+        if let Some((tree, mesh)) = self.only_mesh() {
+            return tree.any_hit8(mesh, ray, &mut room);
+        }
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup, |slot, limit| {
+        self.bvh.any_hit8(ray, &setup, &mut room, |slot, limit, room| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             let (inside, _) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
             let lanes = inside & gt8(limit, f32x8::splat(f32::NEG_INFINITY));
@@ -344,7 +369,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
             }
             let ray = placed.rays_to_object(ray, lanes);
             Some(match object {
-                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray),
+                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray, room),
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
             })
         })

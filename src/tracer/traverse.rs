@@ -12,8 +12,8 @@ use crate::geom::{Hit, Mask8, Ray};
 use crate::kernels::aabb::{InverseDirection, pad, pad8, slab_interval, slab_interval8};
 
 impl Bvh {
-    /// The first of `best` and all hits that `test` finds in the slots, by [`Hit::is_closer_than`]. `test` gets a slot and
-    /// the best hit so far, which it replaces by one that comes before it. Slots whose boxes the ray misses, or enters
+    /// The first of `best` and all hits that `test` finds in the slots, by [`Hit::is_closer_than`]. `test` gets a slot,
+    /// the best hit so far, which it replaces by one that comes before it, and the rest of the room. Slots whose boxes the ray misses, or enters
     /// strictly beyond the best hit, may be left out.
     #[inline(always)]
     pub(super) fn closest_hit(
@@ -21,9 +21,10 @@ impl Bvh {
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
         mut best: Hit<f32>,
-        mut test: impl FnMut(usize, &mut Hit<f32>),
+        room: &mut [Visit<f32>],
+        mut test: impl FnMut(usize, &mut Hit<f32>, &mut [Visit<f32>]),
     ) -> Hit<f32> {
-        let mut stack = Stack::new((f32::NEG_INFINITY, Child::ROOT));
+        let mut stack = Stack::new(room, (f32::NEG_INFINITY, Child::ROOT));
         while let Some((entry, child)) = stack.pop() {
             // Beyond the best hit nothing can win; what is as near still can, by a lower number.
             if entry > best.t {
@@ -46,7 +47,7 @@ impl Bvh {
                 }
             } else {
                 for slot in child.slots() {
-                    test(slot, &mut best);
+                    test(slot, &mut best, stack.rest());
                 }
             }
         }
@@ -59,9 +60,10 @@ impl Bvh {
         &self,
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
-        mut test: impl FnMut(usize) -> bool,
+        room: &mut [Child],
+        mut test: impl FnMut(usize, &mut [Child]) -> bool,
     ) -> bool {
-        let mut stack = Stack::new(Child::ROOT);
+        let mut stack = Stack::new(room, Child::ROOT);
         while let Some(child) = stack.pop() {
             if child.count == 0 {
                 let node = &self.nodes[child.first as usize];
@@ -71,7 +73,7 @@ impl Bvh {
                         stack.push(Child::of(node, side));
                     }
                 }
-            } else if child.slots().any(&mut test) {
+            } else if child.slots().any(|slot| test(slot, stack.rest())) {
                 return true;
             }
         }
@@ -85,9 +87,10 @@ impl Bvh {
         ray: &Ray<f32x8>,
         setup: &InverseDirection<f32x8>,
         mut best: Hit<f32x8>,
-        mut test: impl FnMut(usize, &mut Hit<f32x8>),
+        room: &mut [Visit<f32x8>],
+        mut test: impl FnMut(usize, &mut Hit<f32x8>, &mut [Visit<f32x8>]),
     ) -> Hit<f32x8> {
-        let mut stack = Stack::new((f32x8::splat(f32::NEG_INFINITY), Child::ROOT));
+        let mut stack = Stack::new(room, (f32x8::splat(f32::NEG_INFINITY), Child::ROOT));
         while let Some((entry, child)) = stack.pop() {
             // Beyond the best hit nothing can win; what is as near still can, by a lower number.
             if !le8(entry, best.t).any() {
@@ -117,25 +120,26 @@ impl Bvh {
                 }
             } else {
                 for slot in child.slots() {
-                    test(slot, &mut best);
+                    test(slot, &mut best, stack.rest());
                 }
             }
         }
         best
     }
 
-    /// [`Bvh::any_hit`] in eight lanes. `test` gets a slot and where each lane's search ends, which is `-∞` in lanes that
-    /// have hit and look no further.
+    /// [`Bvh::any_hit`] in eight lanes. `test` gets a slot, where each lane's search ends, which is `-∞` in lanes that
+    /// have hit and look no further, and the rest of the room.
     #[inline(always)]
     pub(super) fn any_hit8(
         &self,
         ray: &Ray<f32x8>,
         setup: &InverseDirection<f32x8>,
-        mut test: impl FnMut(usize, f32x8) -> Option<Mask8>,
+        room: &mut [Child],
+        mut test: impl FnMut(usize, f32x8, &mut [Child]) -> Option<Mask8>,
     ) -> Mask8 {
         let mut found = Mask8::none();
         let mut limit = setup.t_max;
-        let mut stack = Stack::new(Child::ROOT);
+        let mut stack = Stack::new(room, Child::ROOT);
         while let Some(child) = stack.pop() {
             if child.count == 0 {
                 let node = &self.nodes[child.first as usize];
@@ -147,7 +151,7 @@ impl Bvh {
                 }
             } else {
                 for slot in child.slots() {
-                    if let Some(hit) = test(slot, limit) {
+                    if let Some(hit) = test(slot, limit, stack.rest()) {
                         found = found | hit;
                         limit = hit.select(f32x8::splat(f32::NEG_INFINITY), limit);
                     }
@@ -177,14 +181,14 @@ pub(super) fn keep_closer8(best: &mut Hit<f32x8>, candidate: &Hit<f32x8>) {
 
 /// A child of a node: another node, or the slots of a leaf.
 #[derive(Clone, Copy)]
-struct Child {
+pub(super) struct Child {
     first: u32,
     /// 0 for a node.
     count: u32,
 }
 
 impl Child {
-    const ROOT: Self = Self { first: 0, count: 0 };
+    pub(super) const ROOT: Self = Self { first: 0, count: 0 };
 
     #[inline(always)]
     fn of(node: &Node, side: usize) -> Self {
@@ -197,22 +201,31 @@ impl Child {
     }
 }
 
-/// What is still to visit. Trees of real meshes stay below the fixed depth; one that does not spills to the heap.
-struct Stack<T> {
-    fixed: [T; 64],
+/// What a search for the closest hit has still to visit: where the ray enters its box, and what it is.
+pub(super) type Visit<L> = (L, Child);
+
+/// Room for what is still to visit at both levels: to clear it once for each instance would cost as much as to visit some
+/// nodes.
+pub(super) type Room<T> = [T; 64];
+
+/// What is still to visit. Trees of real meshes stay within the room; one that does not spills to the heap.
+struct Stack<'a, T> {
+    room: &'a mut [T],
     len: usize,
     spilled: Vec<T>,
 }
 
-impl<T: Copy> Stack<T> {
+impl<'a, T: Copy> Stack<'a, T> {
     #[inline(always)]
-    fn new(root: T) -> Self {
-        Self { fixed: [root; 64], len: 1, spilled: Vec::new() }
+    fn new(room: &'a mut [T], root: T) -> Self {
+        let mut stack = Self { room, len: 0, spilled: Vec::new() };
+        stack.push(root);
+        stack
     }
 
     #[inline(always)]
     fn push(&mut self, item: T) {
-        match self.fixed.get_mut(self.len) {
+        match self.room.get_mut(self.len) {
             Some(place) => {
                 *place = item;
                 self.len += 1;
@@ -230,12 +243,18 @@ impl<T: Copy> Stack<T> {
 
     #[inline(always)]
     fn pop(&mut self) -> Option<T> {
-        if self.len == self.fixed.len()
+        if self.len == self.room.len()
             && let Some(item) = self.spilled.pop()
         {
             return Some(item);
         }
         self.len = self.len.checked_sub(1)?;
-        Some(self.fixed[self.len])
+        Some(self.room[self.len])
+    }
+
+    /// The part of the room that is not in use.
+    #[inline(always)]
+    fn rest(&mut self) -> &mut [T] {
+        &mut self.room[self.len..]
     }
 }
