@@ -7,7 +7,8 @@
 //! **Idea:** `L⁻¹(origin - T)` costs as much as the 3×4 inverse matrix applied to the origin, but cancels before
 //! rounding: an object far from the world's origin loses nothing. The inverse is computed in `f64` and rounded once.
 //!
-//! **Fails:** where L is badly conditioned: the rounding of L⁻¹ itself then turns the ray.
+//! **Fails:** where L is badly conditioned: the rounding of L⁻¹, and of its product with the origin, then exceeds the
+//! object where it is flattest in the world.
 //!
 //! **Edges, claims:** the inner kernel's, for the transformed ray. Two instances that share an edge in the world see two
 //! differently rounded rays, so nothing is promised between them.
