@@ -55,7 +55,7 @@ impl<T> Instance<T> {
     /// below 2⁻⁴⁹ times the condition number of L.
     #[inline]
     pub fn normal_to_world(&self, normal: Vec3) -> Vec3 {
-        let [x, y, z] = self.world_to_object.linear.map(|column| column.as_dvec3());
+        let [x, y, z] = self.world_to_object.linear.map(Vec3::as_dvec3);
         let n = normal.as_dvec3();
         (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).normalize_or_zero().as_vec3()
     }
