@@ -5,7 +5,7 @@ mod hit;
 pub mod lanes;
 mod ray;
 mod shapes;
-mod transform;
+pub mod transform;
 
 pub use hit::Hit;
 pub use lanes::{Lanes, Mask8, Vec3x8};

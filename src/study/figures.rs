@@ -31,8 +31,11 @@ pub(super) struct Group<'a> {
 impl Group<'_> {
     /// The title, with what the names lack where that is not the same.
     pub(super) fn heading(&self) -> String {
+        let several_methods = !self.is_base() && !self.prefix.ends_with(&format!("/{}/", self.shape));
         if self.prefix.strip_suffix('/') == Some(self.title.as_str()) {
             self.title.clone()
+        } else if several_methods {
+            format!("{} ({}…/{}/…)", self.title, self.prefix, self.shape)
         } else {
             format!("{} ({}…)", self.title, self.prefix)
         }
@@ -103,8 +106,9 @@ impl Loss {
 pub(super) struct Figures<'a> {
     /// The kernel.
     pub(super) kernel: &'a KernelRow,
-    /// What distinguishes its ID within its group.
-    pub(super) name: &'a str,
+    /// What distinguishes its ID within its group, the family of an instance's inner kernel left out: that is in the group's
+    /// title.
+    pub(super) name: String,
     /// Rays that exactly hit and are reported to hit nothing, by [`Group::loss`]: the worst of [`Group::losing`] and their severities, or, where
     /// there are none, all of them together.
     pub(super) lost: Option<Rate>,
@@ -215,7 +219,7 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
             let lost = worst.map(|(rate, _)| if rate.per_million == 0.0 { Rate { of: all, ..*rate } } else { *rate });
             Figures {
                 kernel,
-                name: &kernel.id[prefix.len()..kernel.id.len() - suffix.len()],
+                name: kernel.id[prefix.len()..kernel.id.len() - suffix.len()].replace(&format!("/{shape}/"), "/"),
                 lost,
                 lost_in: worst.filter(|(rate, _)| rate.per_million > 0.0).map(|&(_, row)| row),
                 record,
@@ -612,7 +616,8 @@ mod tests {
             ["triangle", "aabb", "quadric", "instance of triangle", "instance of aabb", "instance of quadric"]
         );
         assert_eq!((groups[3].prefix.as_str(), groups[3].kernels.len()), ("instance/", 12));
-        assert_eq!(groups[3].kernels[1].name, "subtract_first/triangle/moller_trumbore");
+        assert_eq!(groups[3].kernels[1].name, "subtract_first/moller_trumbore");
+        assert_eq!(groups[3].heading(), "instance of triangle (instance/…/triangle/…)");
         let losses = groups.iter().map(|group| group.loss);
         let each = [Loss::Leaks, Loss::WithBoundary, Loss::Strict];
         assert!(losses.eq(each.into_iter().chain(each)));
@@ -621,7 +626,7 @@ mod tests {
     #[test]
     fn methods_are_compared_with_one_kernel_inside() {
         let record = record_of(&all_ids());
-        let names = |group: &Group| group.kernels.iter().map(|kernel| kernel.name.to_owned()).collect::<Vec<_>>();
+        let names = |group: &Group| group.kernels.iter().map(|kernel| kernel.name.clone()).collect::<Vec<_>>();
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
         assert_eq!([0, 1].map(|base| names(&methods[base])), [0, 1].map(|base| names(&groups[base])));
         assert_eq!(methods[2].title, "instance of triangle");

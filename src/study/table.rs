@@ -98,7 +98,7 @@ mod tests {
         for group in groups(&record) {
             let section = plain.lines().skip_while(|line| *line != group.heading());
             let names: Vec<_> = section.skip(1).map(|line| line.split_whitespace().next().unwrap_or("")).collect();
-            let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name).collect();
+            let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
             assert!(names.starts_with(&expected), "{}: {names:?}", group.title);
         }
         assert!(plain.contains("0 (< 15)"), "a zero is shown as a bound");

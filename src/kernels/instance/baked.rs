@@ -7,7 +7,8 @@
 //! by.
 //!
 //! **Fails:** where the world's coordinates are too coarse for the object: far from the origin each vertex is moved by up
-//! to half an ulp of its distance. And it is no instancing: every instance has its own copy.
+//! to half an ulp of its distance; and under a transform of great condition number, which makes a sliver of a good triangle
+//! and a grazing ray of a steep one. And it is no instancing: every instance has its own copy.
 //!
 //! **Edges, claims:** the inner kernel's. Triangles that share vertices and the transform still share them when baked, so
 //! that a watertight kernel stays watertight; but what is called a hit is so of the rounded triangle.

@@ -7,7 +7,8 @@
 //! **Idea:** `L⁻¹(origin - T)` costs as much as the 3×4 inverse matrix applied to the origin, but cancels before
 //! rounding: an object far from the world's origin loses nothing. The inverse is computed in `f64` and rounded once.
 //!
-//! **Fails:** where L is badly conditioned: the rounding of L⁻¹ itself then turns the ray.
+//! **Fails:** where L is badly conditioned: the rounding of L⁻¹, and of its product with the origin, then exceeds the
+//! object where it is flattest in the world.
 //!
 //! **Edges, claims:** the inner kernel's, for the transformed ray. Two instances that share an edge in the world see two
 //! differently rounded rays, so nothing is promised between them.
@@ -54,7 +55,7 @@ impl<T> Instance<T> {
     /// below 2⁻⁴⁹ times the condition number of L.
     #[inline]
     pub fn normal_to_world(&self, normal: Vec3) -> Vec3 {
-        let [x, y, z] = self.world_to_object.linear.map(|column| column.as_dvec3());
+        let [x, y, z] = self.world_to_object.linear.map(Vec3::as_dvec3);
         let n = normal.as_dvec3();
         (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).normalize_or_zero().as_vec3()
     }

@@ -159,7 +159,7 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
     for (i, kernel) in (0..).zip(&group.kernels) {
         let (column, row) = (i % layout.columns, i / layout.columns);
         let corner = (LEFT + column * layout.pitch, top + row * layout.row_height() + NAME);
-        root.draw_text(kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
+        root.draw_text(&kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
         axes_of(root, map, layout, corner, column == 0)?;
         let cells = record.map_cells.iter().find(|cells| cells.id == kernel.kernel.id && cells.map == map.name);
         image(root, layout, corner, map, cells.filter(|cells| fits(cells, map)))?;

@@ -60,9 +60,10 @@ fn legend(root: &Area, top: i32) -> Drawn {
     entry(x + 32, "above this line: it fails")
 }
 
-fn panel<'a>(group: &Group<'a>, regime: &RegimeRow, measure: Measure) -> Panel<'a> {
+fn panel<'a>(group: &'a Group, regime: &RegimeRow, measure: Measure) -> Panel<'a> {
     let possible = if measure == Measure::Ulp { 1.0..=f64::INFINITY } else { 0.0..=1e6 };
-    let series = group.kernels.iter().map(|kernel| Series { name: kernel.name, marks: marks(kernel, regime, measure) });
+    let series =
+        group.kernels.iter().map(|kernel| Series { name: &kernel.name, marks: marks(kernel, regime, measure) });
     Panel {
         title: measure.title().into(),
         possible,

@@ -127,7 +127,7 @@ type Timed<'a> = [(&'a Figures<'a>, &'a SpeedRow)];
 fn fastest(timed: &Timed) -> Option<String> {
     let &(kernel, row) = timed.first()?;
     let tied = |other: &SpeedRow| other.ns_per_test - row.ns_per_test <= other.ns_per_test_mad + row.ns_per_test_mad;
-    let ties = timed[1..].iter().filter(|(_, other)| tied(other)).map(|(kernel, _)| kernel.name);
+    let ties = timed[1..].iter().filter(|(_, other)| tied(other)).map(|(kernel, _)| kernel.name.as_str());
     let lost = kernel.lost.map_or(String::new(), |lost| format!(", loses {lost}"));
     Some(format!(
         "**`{}`** {} M/s{lost}{}",
@@ -156,7 +156,7 @@ fn best(
     let mut equals = timed.iter().filter(|(kernel, _)| figure(kernel) == Some(least));
     let (kernel, row) = equals.next()?;
     let price = times(Some(row.ns_per_test / timed[0].1.ns_per_test));
-    let others = list("as good, but slower:", equals.map(|(kernel, _)| kernel.name));
+    let others = list("as good, but slower:", equals.map(|(kernel, _)| kernel.name.as_str()));
     Some(format!("**`{}`** {}, {price} the time{others}", kernel.name, text(kernel)?))
 }
 
