@@ -16,7 +16,7 @@ fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
         Claim::VertexWatertight => at_vertices,
         Claim::SingleHit => at_edges || at_vertices,
         Claim::Conservative => true,
-        // Its rays pass apex and rim more closely than the promises reach.
+        // Its rays pass an apex more closely than the promises reach.
         Claim::RightDecision | Claim::NoGrossError => row.workload != Workload::Edge.name(),
     }
 }

@@ -114,6 +114,28 @@ impl Subject for Quadric {
             },
         },
         Regime {
+            name: "rim",
+            about: "Rays from within a cylinder, a cone or a paraboloid that leave it ever more closely below the rim, where its box \
+                    cuts, or above.",
+            axis: "distance of the ray from the rim / height",
+            steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            mesh: false,
+            sample: |gap, rng| {
+                let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
+                let shape = match rng.random_range(0..3) {
+                    0 => Quadric::cylinder(radius, height),
+                    1 => Quadric::cone(radius, height),
+                    _ => Quadric::paraboloid(radius, height),
+                };
+                Sample::of(shape, rng, |_, rng| {
+                    let side = if rng.random() { gap } else { -gap };
+                    let target = (on_circle(rng) * radius).extend(height * (1.0 + side * rng.random_range(0.1..1.0)));
+                    let origin = (in_cube(rng, 0.125) * radius).with_z(height * rng.random_range(0.5..0.875));
+                    ray_from(origin, target, rng)
+                })
+            },
+        },
+        Regime {
             name: "offset",
             about: "Spheres that are moved not by a transform but by their coefficients, ever farther from the origin of their \
                     coordinates: the constant swallows the radius.",
