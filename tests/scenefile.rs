@@ -489,7 +489,7 @@ fn what_is_scattered_stands_on_the_ground_in_the_area() {
 
     // Half of this area has no ground.
     let part = feet(&format!("{on}area = {{ lo = [4, 1], hi = [5, 2] }}\n"));
-    assert!(part.iter().all(|&Vec3 { x, z, .. }| x >= 4.0 && x <= 4.3302 && (1.0..=2.0).contains(&z)));
+    assert!(part.iter().all(|&Vec3 { x, z, .. }| (4.0..=4.3302).contains(&x) && (1.0..=2.0).contains(&z)));
 
     assert_eq!(feet(&on), all);
     assert_ne!(feet(&format!("{on}seed = 1\n")), all);
