@@ -219,7 +219,11 @@ fn quadrics_have_the_ray_s_point_and_the_outer_normal() {
             let gradient = quadric.squares.as_dvec3() * (inverse * (origin + along)) * 2.0 + quadric.linear.as_dvec3();
             let condition = norm(linear) * norm(inverse);
             let bound = 2f64.powi(-24) + condition * (steepness / gradient.length() + 2f64.powi(-50));
-            assert_normal(&what, surface.normal, &normal, bound);
+            if normal.iter().all(|component| component.int.is_zero()) {
+                assert_eq!(surface.normal, Vec3::ZERO, "{what}");
+            } else if bound < 0.1 {
+                assert_normal(&what, surface.normal, &normal, bound);
+            }
             assert!(surface.uv.cmpge(Vec2::ZERO).all() && surface.uv.cmple(Vec2::ONE).all(), "{what}: {}", surface.uv);
             assert_eq!(surface.color, Vec3::ONE);
             seen += 1;

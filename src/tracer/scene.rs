@@ -24,7 +24,7 @@ use crate::kernels::{Intersect, Kernel};
 /// A hit's primitive number counts the primitives of all geometries in their order, triangles in the order of their mesh; a
 /// quadric counts one. The instance number is that of the [`Placement`].
 ///
-/// Geometry is shared by its instances. An instance takes 256 bytes, with its placement and all that the tree needs.
+/// Geometry is shared by its instances. An instance takes 296 bytes, with its placement and all that the tree needs.
 #[derive(Debug)]
 pub struct Scene<K> {
     world: World,
@@ -249,8 +249,9 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.closest_hit(mesh, ray, f32::INFINITY, &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.closest_hit(ray, &setup, Hit::MISS, &mut room, |slot, best, room| {
+        self.bvh.closest_hit(ray, &setup, Hit::MISS, &mut upper, |slot, best| {
             let number = self.bvh.item_of_slot[slot];
             let (placed, object) = self.instance(number);
             let Some(span) = Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup) else { return };
@@ -262,7 +263,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
                 Object::Mesh(tree, mesh) => {
                     // A hit beyond the box is going to be clamped to its exit.
                     let farthest = if span.exit > best.t { best.t } else { f32::INFINITY };
-                    tree.closest_hit(mesh, &ray, farthest, room)
+                    tree.closest_hit(mesh, &ray, farthest, &mut room)
                 }
                 Object::Quadric(quadric) => quadric.closest_hit(&ray),
             };
@@ -278,15 +279,16 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.any_hit(mesh, ray, &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.any_hit(ray, &setup, &mut room, |slot, room| {
+        self.bvh.any_hit(ray, &setup, &mut upper, |slot| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             if Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup).is_none() {
                 return false;
             }
             let ray = placed.ray_to_object(ray);
             match object {
-                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray, room),
+                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray, &mut room),
                 Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
             }
         })
@@ -303,8 +305,9 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.closest_hit8(mesh, ray, f32x8::splat(f32::INFINITY), &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), &mut room, |slot, best, room| {
+        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), &mut upper, |slot, best| {
             let number = self.bvh.item_of_slot[slot];
             let (placed, object) = self.instance(number);
             let (inside, span) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
@@ -317,7 +320,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
                 Object::Mesh(tree, mesh) => {
                     // A hit beyond the box is going to be clamped to its exit.
                     let farthest = gt8(span.exit, best.t).select(best.t, f32x8::splat(f32::INFINITY));
-                    tree.closest_hit8(mesh, &ray, farthest, room)
+                    tree.closest_hit8(mesh, &ray, farthest, &mut room)
                 }
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray),
             };
@@ -330,8 +333,9 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.any_hit8(mesh, ray, &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup, &mut room, |slot, limit, room| {
+        self.bvh.any_hit8(ray, &setup, &mut upper, |slot, limit| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             let (inside, _) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
             let lanes = inside & gt8(limit, f32x8::splat(f32::NEG_INFINITY));
@@ -340,7 +344,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
             }
             let ray = placed.rays_to_object(ray, lanes);
             Some(match object {
-                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray, room),
+                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray, &mut room),
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
             })
         })
