@@ -36,8 +36,8 @@
 //!    start with `triangle/moller_trumbore.rs`.
 //! 3. [`registry`]: the list of kernels that tests, benches, study and program walk.
 //! 4. `oracle` (feature `study`): the exact answer, in whole numbers. It knows nothing of the kernels.
-//! 5. `tracer` (feature `tracer`): meshes, a tree, traversal under the *box rule*, which makes the closest hit the same for
-//!    every way of finding it, and pictures.
+//! 5. `tracer` (feature `tracer`): meshes, quadrics and instances of them, two levels of trees, traversal under the *box
+//!    rule*, which makes the closest hit the same for every way of finding it, and pictures.
 //! 6. `study` (feature `study`): workloads, measurement, accuracy, charts, report.
 //!
 //! Each layer uses only those above it.

@@ -256,6 +256,34 @@ impl Visitor<Quadric> for EveryQuadric<'_> {
     }
 }
 
+/// Instances at the ends of the range: their boxes, rays and distances overflow, or are subnormal.
+#[test]
+fn odd_worlds_have_identical_hits() {
+    let mut random = Random(13);
+    for scale in [1e-42, 1e-38, 1e-20, 1e20, 1e38, f32::MAX] {
+        for reach in [0.0, 1.0, 1e20, f32::MAX] {
+            let geometries = worlds::geometries(&mut random);
+            let instances = (0..40).filter_map(|number| {
+                let Affine3 { matrix3, translation } = worlds::transform(&mut random, reach);
+                let matrix3 = matrix3 * if number % 4 == 0 { 1.0 } else { scale };
+                Instance::new((), Affine3 { matrix3, translation })
+                    .is_ok()
+                    .then(|| place(number % geometries.len(), Affine3 { matrix3, translation }))
+            });
+            let instances = instances.collect();
+            let world = World::new(geometries, instances).unwrap();
+            let rays = worlds::rays(&world, 5, 500);
+            let scene = Scene::<MollerTrumbore<f32>>::new(world);
+            let brute: Vec<_> = rays.iter().map(|ray| scene.closest_hit_brute_force(ray)).collect();
+            assert!(brute.iter().all(|hit| !hit.mask || hit.t.is_finite()));
+            for mode in Mode::ALL {
+                let what = format!("{scale:e}, {reach:e}, {}", mode.name());
+                assert_same(&what, &rays, &brute, &trace(&scene, &rays, false, mode));
+            }
+        }
+    }
+}
+
 /// What the second application of the rule does, seen from outside: an instance alone has the hits of the transformed ray, but
 /// for those that miss its world box, and with `t` clamped to it. Far-away rays need the clamp often.
 #[test]

@@ -81,7 +81,9 @@ impl Bvh {
     /// Copies the tree depth first, without boxes.
     fn pack(source: &Bvh2) -> Self {
         let absent = Node { bounds: [Aabb::EMPTY.into(); 2], first: [0; 2], count: [0; 2] };
-        let mut nodes = vec![absent];
+        // Two of theirs, less the root, are one of ours: a growing vector would take up to twice as much.
+        let mut nodes = Vec::with_capacity(source.nodes.len() / 2 + 1);
+        nodes.push(absent);
         let root = &source.nodes[0];
         if root.is_leaf() {
             // The second child stays an empty box, which no ray hits.

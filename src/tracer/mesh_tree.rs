@@ -5,7 +5,7 @@ use wide::{f32x8, u32x8};
 use super::Mesh;
 use super::box_rule::Span;
 use super::bvh::Bvh;
-use super::traverse::{Child, Visit, keep_closer8};
+use super::traverse::{Child, Room, Visit, keep_closer8};
 use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
 use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Intersect, Kernel};
@@ -35,10 +35,16 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// The closest hit, if its `t` is at most `farthest`; else that, or a hit beyond `farthest`, or a miss.
-    pub(super) fn closest_hit(&self, mesh: &Mesh, ray: &Ray<f32>, farthest: f32, room: &mut [Visit<f32>]) -> Hit<f32> {
+    pub(super) fn closest_hit(
+        &self,
+        mesh: &Mesh,
+        ray: &Ray<f32>,
+        farthest: f32,
+        room: &mut Room<Visit<f32>>,
+    ) -> Hit<f32> {
         let setup = Setup::<K, f32>::of(ray);
         let nothing = Hit { t: farthest, ..Hit::MISS };
-        self.bvh.closest_hit(ray, &setup.slabs, nothing, room, |slot, best, _| {
+        self.bvh.closest_hit(ray, &setup.slabs, nothing, room, |slot, best| {
             if let Some(candidate) = self.candidate(mesh, slot, ray, &setup)
                 && candidate.is_closer_than(best)
             {
@@ -48,9 +54,9 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// Whether there is a hit.
-    pub(super) fn any_hit(&self, mesh: &Mesh, ray: &Ray<f32>, room: &mut [Child]) -> bool {
+    pub(super) fn any_hit(&self, mesh: &Mesh, ray: &Ray<f32>, room: &mut Room<Child>) -> bool {
         let setup = Setup::<K, f32>::of(ray);
-        self.bvh.any_hit(ray, &setup.slabs, room, |slot, _| self.candidate(mesh, slot, ray, &setup).is_some())
+        self.bvh.any_hit(ray, &setup.slabs, room, |slot| self.candidate(mesh, slot, ray, &setup).is_some())
     }
 
     /// [`MeshTree::closest_hit`] in eight lanes.
@@ -59,12 +65,12 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         mesh: &Mesh,
         ray: &Ray<f32x8>,
         farthest: f32x8,
-        room: &mut [Visit<f32x8>],
+        room: &mut Room<Visit<f32x8>>,
     ) -> Hit<f32x8> {
         let setup = Setup::<K, f32x8>::of(ray);
         let mut nothing = Hit::<f32x8>::miss();
         nothing.t = farthest;
-        self.bvh.closest_hit8(ray, &setup.slabs, nothing, room, |slot, best, _| {
+        self.bvh.closest_hit8(ray, &setup.slabs, nothing, room, |slot, best| {
             if let Some(candidate) = self.candidate8(mesh, slot, ray, &setup) {
                 keep_closer8(best, &candidate);
             }
@@ -72,9 +78,9 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// [`MeshTree::any_hit`] in eight lanes.
-    pub(super) fn any_hit8(&self, mesh: &Mesh, ray: &Ray<f32x8>, room: &mut [Child]) -> Mask8 {
+    pub(super) fn any_hit8(&self, mesh: &Mesh, ray: &Ray<f32x8>, room: &mut Room<Child>) -> Mask8 {
         let setup = Setup::<K, f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup.slabs, room, |slot, _, _| Some(self.candidate8(mesh, slot, ray, &setup)?.mask))
+        self.bvh.any_hit8(ray, &setup.slabs, room, |slot, _| Some(self.candidate8(mesh, slot, ray, &setup)?.mask))
     }
 
     /// The closest hit by trying every triangle, in any order.

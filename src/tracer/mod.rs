@@ -1,4 +1,4 @@
-//! A small tracer: meshes, a tree, single rays and packets, pictures.
+//! A small tracer: meshes and quadrics, instances of them, two levels of trees, single rays and packets, pictures.
 //!
 //! # The box rule
 //!
@@ -15,6 +15,29 @@
 //! culled only when the ray misses it, or when its entry is strictly beyond the best `t`; neither can lose the winner. So
 //! the closest hit is the same for every order of visits, every tree, every packet, every thread count, and for trying
 //! all triangles one by one. And since a miss of a padded box is a proof, the rule only ever removes false hits.
+//!
+//! # Instances
+//!
+//! Within an instance the box rule holds as it stands, in the object's coordinates and with the transformed ray, which is the
+//! same in every path. So its closest hit, taken over the ray's original interval, depends on ray and instance alone. But
+//! that ray is rounded, and so the hit's `t` may lie before the world ray's entry into the instance's world box, or beyond
+//! its exit, and no box of the upper tree may be culled by it. Therefore the rule is applied once more:
+//!
+//! > An instance's closest hit counts if the world ray hits the instance's own padded world box. Its `t` is clamped to
+//! > that box's entry `e` and padded exit `x`, and only the clamped value is compared with the best so far. Between equal
+//! > `t`, the lower instance number wins.
+//!
+//! - *The upper tree* may cull as the lower one does, by the same argument: boxes of nodes contain the boxes below them, so
+//!   their entries are no later than `e`, and `e` is at most the clamped `t`.
+//! - *Within an instance* the search may end at the best hit so far only where `x` is beyond it. Let the best be at `b`, and
+//!   let a hit have `t' > b` in the object. If `x > b`, its clamped `t`, which is at least the smaller of `t'` and `x`, is
+//!   beyond `b` too: such a hit loses, and so does whatever is found in its stead. If `x <= b`, it may be clamped down to
+//!   `x` and win: then the whole interval is searched. That costs nothing, since the object ends at `x` but for rounding.
+//! - *Any hit* needs no more than that an instance has a hit in its own coordinates and the world ray hits its world box.
+//! - *An instance by exactly the identity* takes the ray as it is, and its box in the world is that of the object. Its
+//!   interval then contains those of all triangles, and the second clamp changes nothing: a mesh as
+//!   it is has the same hits, bit for bit, as that instance of it, and a scene of nothing else goes without the upper tree.
+//! - *World boxes* contain the exactly transformed object, so that here too the rule only ever removes false hits.
 
 mod box_rule;
 mod builtin;

@@ -1,29 +1,5 @@
 //! The two-level scene: a tree over instances, and below it one tree for each mesh.
-//!
-//! # The box rule over two levels
-//!
-//! Within an instance the box rule of [`crate::tracer`] holds as it stands, in the object's coordinates and with the
-//! transformed ray, which is the same in every path. So its closest hit, taken over the ray's original interval, depends on
-//! ray and instance alone. But that ray is rounded, and so the hit's `t` may lie before the world ray's entry into the
-//! instance's world box, or beyond its exit, and no box of the upper tree may be culled by it. Therefore the rule is
-//! applied once more:
-//!
-//! > An instance's closest hit counts if the world ray hits the instance's own padded world box. Its `t` is clamped to
-//! > that box's entry `e` and padded exit `x`, and only the clamped value is compared with the best so far. Between equal
-//! > `t`, the lower instance number wins.
-//!
-//! - *The upper tree* may cull as the lower one does, by the same argument: boxes of nodes contain the boxes below them, so
-//!   their entries are no later than `e`, and `e` is at most the clamped `t`.
-//! - *Within an instance* the search may end at the best hit so far only where `x` is beyond it. Let the best be at `b`, and
-//!   let a hit have `t' > b` in the object. If `x > b`, its clamped `t`, which is at least the smaller of `t'` and `x`, is
-//!   beyond `b` too: such a hit loses, and so does whatever is found in its stead. If `x <= b`, it may be clamped down to
-//!   `x` and win: then the whole interval is searched. That costs nothing, since the object ends at `x` but for rounding.
-//! - *Any hit* needs no more than that an instance has a hit in its own coordinates and the world ray hits its world box.
-//! - *An instance by exactly the identity* takes the ray as it is, and its box in the world is that of the object. Both
-//!   intervals of the mesh then contain those of each triangle, and the second clamp changes nothing: a mesh as it is has
-//!   the same hits, bit for bit, as an instance of it.
-//! - *World boxes* contain the exactly transformed object (`world_box.rs`), so that, as below, the rule only ever removes
-//!   false hits.
+//! [`crate::tracer`] states the box rule for both, and proves that every way of walking them finds the same hits.
 
 use std::fmt::Debug;
 
@@ -48,7 +24,7 @@ use crate::kernels::{Intersect, Kernel};
 /// A hit's primitive number counts the primitives of all geometries in their order, triangles in the order of their mesh; a
 /// quadric counts one. The instance number is that of the [`Placement`].
 ///
-/// Geometry is shared by its instances. An instance takes 260 bytes with a plain paint and all that the tree needs.
+/// Geometry is shared by its instances. An instance takes 296 bytes, with its placement and all that the tree needs.
 #[derive(Debug)]
 pub struct Scene<K> {
     world: World,
@@ -278,8 +254,9 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.closest_hit(mesh, ray, f32::INFINITY, &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.closest_hit(ray, &setup, Hit::MISS, &mut room, |slot, best, room| {
+        self.bvh.closest_hit(ray, &setup, Hit::MISS, &mut upper, |slot, best| {
             let number = self.bvh.item_of_slot[slot];
             let (placed, object) = self.instance(number);
             let Some(span) = Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup) else { return };
@@ -291,7 +268,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
                 Object::Mesh(tree, mesh) => {
                     // A hit beyond the box is going to be clamped to its exit.
                     let farthest = if span.exit > best.t { best.t } else { f32::INFINITY };
-                    tree.closest_hit(mesh, &ray, farthest, room)
+                    tree.closest_hit(mesh, &ray, farthest, &mut room)
                 }
                 Object::Quadric(quadric) => quadric.closest_hit(&ray),
             };
@@ -307,15 +284,16 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.any_hit(mesh, ray, &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.any_hit(ray, &setup, &mut room, |slot, room| {
+        self.bvh.any_hit(ray, &setup, &mut upper, |slot| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             if Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup).is_none() {
                 return false;
             }
             let ray = placed.ray_to_object(ray);
             match object {
-                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray, room),
+                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray, &mut room),
                 Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
             }
         })
@@ -332,8 +310,9 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.closest_hit8(mesh, ray, f32x8::splat(f32::INFINITY), &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), &mut room, |slot, best, room| {
+        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), &mut upper, |slot, best| {
             let number = self.bvh.item_of_slot[slot];
             let (placed, object) = self.instance(number);
             let (inside, span) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
@@ -346,7 +325,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
                 Object::Mesh(tree, mesh) => {
                     // A hit beyond the box is going to be clamped to its exit.
                     let farthest = gt8(span.exit, best.t).select(best.t, f32x8::splat(f32::INFINITY));
-                    tree.closest_hit8(mesh, &ray, farthest, room)
+                    tree.closest_hit8(mesh, &ray, farthest, &mut room)
                 }
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray),
             };
@@ -359,8 +338,9 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.any_hit8(mesh, ray, &mut room);
         }
+        let mut upper = room;
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup, &mut room, |slot, limit, room| {
+        self.bvh.any_hit8(ray, &setup, &mut upper, |slot, limit| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             let (inside, _) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
             let lanes = inside & gt8(limit, f32x8::splat(f32::NEG_INFINITY));
@@ -369,7 +349,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
             }
             let ray = placed.rays_to_object(ray, lanes);
             Some(match object {
-                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray, room),
+                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray, &mut room),
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
             })
         })

@@ -31,8 +31,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// The surface at a hit that this scene reported for this ray.
     ///
     /// Each coordinate of the point lies within half an ulp, and 2⁻⁴⁷ of the largest term of its sum, of the exact image of
-    /// what the hit says. The normal lies within an angle of 2⁻²³ of the exact one, unless the transform stretches by 10⁶ and
-    /// more.
+    /// what the hit says. The normal is turned from the exact one by at most 2⁻²⁴, and 2⁻⁵⁰ times the condition of the
+    /// transform; that of a quadric also by what 2⁻⁵⁰ of the ray's way from its origin to the hit, or to the object, turns it.
     ///
     /// # Panics
     /// If the hit is a miss, or not of this scene.

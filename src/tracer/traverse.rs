@@ -12,8 +12,8 @@ use crate::geom::{Hit, Mask8, Ray};
 use crate::kernels::aabb::{InverseDirection, pad, pad8, slab_interval, slab_interval8};
 
 impl Bvh {
-    /// The first of `best` and all hits that `test` finds in the slots, by [`Hit::is_closer_than`]. `test` gets a slot,
-    /// the best hit so far, which it replaces by one that comes before it, and the rest of the room. Slots whose boxes the ray misses, or enters
+    /// The first of `best` and all hits that `test` finds in the slots, by [`Hit::is_closer_than`]. `test` gets a slot and
+    /// the best hit so far, which it replaces by one that comes before it. Slots whose boxes the ray misses, or enters
     /// strictly beyond the best hit, may be left out.
     #[inline(always)]
     pub(super) fn closest_hit(
@@ -21,8 +21,8 @@ impl Bvh {
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
         mut best: Hit<f32>,
-        room: &mut [Visit<f32>],
-        mut test: impl FnMut(usize, &mut Hit<f32>, &mut [Visit<f32>]),
+        room: &mut Room<Visit<f32>>,
+        mut test: impl FnMut(usize, &mut Hit<f32>),
     ) -> Hit<f32> {
         let mut stack = Stack::new(room, (f32::NEG_INFINITY, Child::ROOT));
         while let Some((entry, child)) = stack.pop() {
@@ -47,7 +47,7 @@ impl Bvh {
                 }
             } else {
                 for slot in child.slots() {
-                    test(slot, &mut best, stack.rest());
+                    test(slot, &mut best);
                 }
             }
         }
@@ -60,8 +60,8 @@ impl Bvh {
         &self,
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
-        room: &mut [Child],
-        mut test: impl FnMut(usize, &mut [Child]) -> bool,
+        room: &mut Room<Child>,
+        mut test: impl FnMut(usize) -> bool,
     ) -> bool {
         let mut stack = Stack::new(room, Child::ROOT);
         while let Some(child) = stack.pop() {
@@ -73,7 +73,7 @@ impl Bvh {
                         stack.push(Child::of(node, side));
                     }
                 }
-            } else if child.slots().any(|slot| test(slot, stack.rest())) {
+            } else if child.slots().any(&mut test) {
                 return true;
             }
         }
@@ -87,8 +87,8 @@ impl Bvh {
         ray: &Ray<f32x8>,
         setup: &InverseDirection<f32x8>,
         mut best: Hit<f32x8>,
-        room: &mut [Visit<f32x8>],
-        mut test: impl FnMut(usize, &mut Hit<f32x8>, &mut [Visit<f32x8>]),
+        room: &mut Room<Visit<f32x8>>,
+        mut test: impl FnMut(usize, &mut Hit<f32x8>),
     ) -> Hit<f32x8> {
         let mut stack = Stack::new(room, (f32x8::splat(f32::NEG_INFINITY), Child::ROOT));
         while let Some((entry, child)) = stack.pop() {
@@ -120,22 +120,22 @@ impl Bvh {
                 }
             } else {
                 for slot in child.slots() {
-                    test(slot, &mut best, stack.rest());
+                    test(slot, &mut best);
                 }
             }
         }
         best
     }
 
-    /// [`Bvh::any_hit`] in eight lanes. `test` gets a slot, where each lane's search ends, which is `-∞` in lanes that
-    /// have hit and look no further, and the rest of the room.
+    /// [`Bvh::any_hit`] in eight lanes. `test` gets a slot and where each lane's search ends, which is `-∞` in lanes that
+    /// have hit and look no further.
     #[inline(always)]
     pub(super) fn any_hit8(
         &self,
         ray: &Ray<f32x8>,
         setup: &InverseDirection<f32x8>,
-        room: &mut [Child],
-        mut test: impl FnMut(usize, f32x8, &mut [Child]) -> Option<Mask8>,
+        room: &mut Room<Child>,
+        mut test: impl FnMut(usize, f32x8) -> Option<Mask8>,
     ) -> Mask8 {
         let mut found = Mask8::none();
         let mut limit = setup.t_max;
@@ -151,7 +151,7 @@ impl Bvh {
                 }
             } else {
                 for slot in child.slots() {
-                    if let Some(hit) = test(slot, limit, stack.rest()) {
+                    if let Some(hit) = test(slot, limit) {
                         found = found | hit;
                         limit = hit.select(f32x8::splat(f32::NEG_INFINITY), limit);
                     }
@@ -204,20 +204,20 @@ impl Child {
 /// What a search for the closest hit has still to visit: where the ray enters its box, and what it is.
 pub(super) type Visit<L> = (L, Child);
 
-/// Room for what is still to visit at both levels: to clear it once for each instance would cost as much as to visit some
-/// nodes.
+/// Room for what is still to visit on one level. The scene clears it once: to do so for each instance would cost as much as
+/// to visit some nodes.
 pub(super) type Room<T> = [T; 64];
 
 /// What is still to visit. Trees of real meshes stay within the room; one that does not spills to the heap.
 struct Stack<'a, T> {
-    room: &'a mut [T],
+    room: &'a mut Room<T>,
     len: usize,
     spilled: Vec<T>,
 }
 
 impl<'a, T: Copy> Stack<'a, T> {
     #[inline(always)]
-    fn new(room: &'a mut [T], root: T) -> Self {
+    fn new(room: &'a mut Room<T>, root: T) -> Self {
         let mut stack = Self { room, len: 0, spilled: Vec::new() };
         stack.push(root);
         stack
@@ -250,11 +250,5 @@ impl<'a, T: Copy> Stack<'a, T> {
         }
         self.len = self.len.checked_sub(1)?;
         Some(self.room[self.len])
-    }
-
-    /// The part of the room that is not in use.
-    #[inline(always)]
-    fn rest(&mut self) -> &mut [T] {
-        &mut self.room[self.len..]
     }
 }

@@ -1,0 +1,37 @@
+//! Instances share their geometry: what a scene of many takes, counted by the allocator.
+
+use glam::{Affine3, Vec3};
+use peak_alloc::PeakAlloc;
+use raylanes::kernels::triangle::MollerTrumbore;
+use raylanes::tracer::{Geometry, Paint, Placement, Scene, SceneSource, World};
+
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// The scene's own account, and the allocator's.
+fn bytes(instances: usize) -> (usize, usize) {
+    let before = HEAP.current_usage();
+    let mesh = SceneSource::parse("sphere:70000").unwrap().load().unwrap().0;
+    let place = |index: usize| Placement {
+        geometry: 0,
+        object_to_world: Affine3::from_translation(Vec3::new((index % 100) as f32, (index / 100) as f32, 0.0) * 3.0),
+        paint: Paint::Own,
+    };
+    let world = World::new(vec![Geometry::Mesh(mesh)], (0..instances).map(place).collect()).unwrap();
+    let scene = Scene::<MollerTrumbore<f32>>::new(world);
+    (scene.bytes(), HEAP.current_usage() - before)
+}
+
+/// 296 bytes is what the documentation of [`Scene`] says of an instance.
+#[test]
+fn ten_thousand_instances_take_one_mesh_and_their_records() {
+    // The first scene also pays for what stays, such as the threads.
+    bytes(1);
+    let (one, many) = (bytes(1), bytes(10_000));
+    // One instance has a node, as two have.
+    assert_eq!(many.0, one.0 + 9_999 * 296 - 64);
+    for (claimed, taken) in [one, many] {
+        let ratio = taken as f64 / claimed as f64;
+        assert!((0.99..1.03).contains(&ratio), "{claimed} bytes claimed, {taken} taken");
+    }
+}
