@@ -11,7 +11,8 @@ static HEAP: PeakAlloc = PeakAlloc;
 /// The scene's own account, and the allocator's.
 fn bytes(instances: usize) -> (usize, usize) {
     let before = HEAP.current_usage();
-    let mesh = SceneSource::parse("sphere:70000").unwrap().load().unwrap().0;
+    let (mut geometries, _) = SceneSource::parse("sphere:70000").unwrap().load().unwrap().world.into_parts();
+    let Some(Geometry::Mesh(mesh)) = geometries.pop() else { panic!("a sphere is a mesh") };
     let place = |index: usize| Placement {
         geometry: 0,
         object_to_world: Affine3::from_translation(Vec3::new((index % 100) as f32, (index / 100) as f32, 0.0) * 3.0),
