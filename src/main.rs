@@ -74,7 +74,7 @@ struct SceneArguments {
     #[arg(long, value_name = "ID", default_value = "moller_trumbore")]
     kernel: String,
     /// Quadric kernel, by ID or name.
-    #[arg(long, value_name = "ID", default_value = "naive")]
+    #[arg(long, value_name = "ID", default_value = "mixed")]
     quadric_kernel: String,
     /// How rays are taken; the hits are the same.
     #[arg(long, value_enum, default_value_t = ModeArgument::Auto)]

@@ -67,6 +67,7 @@ pub use error::Error;
 pub use mesh::{Mesh, MeshError, Part};
 pub use obj::{ObjReport, load_obj};
 pub use output::write_atomically;
+#[cfg(feature = "study")]
 pub(crate) use picture::shadow_rays;
 pub use picture::{Differences, OCCLUSION_RAYS, Picture, Shade, Shot, compare, picture_hits, shade};
 pub use rayfile::{read_rays, write_hits, write_rays};

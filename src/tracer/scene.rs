@@ -16,7 +16,7 @@ use crate::geom::lanes::{gt8, le8};
 use crate::geom::{Aabb, Hit, Mask8, Quadric, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
 use crate::kernels::instance::Instance;
-use crate::kernels::quadric::Naive;
+use crate::kernels::quadric::Mixed;
 use crate::kernels::{Intersect, Kernel};
 
 /// A world that can be traced, its triangles with the kernel `K`, by single rays and by packets, with identical hits.
@@ -94,13 +94,18 @@ impl<Q: Kernel<Shape = Quadric>> AnyQuadric for Q {
 
 impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// Builds the trees and prepares the primitives, on all threads of the current rayon pool; quadrics for the kernel
-    /// [`Naive`].
+    /// [`Mixed`], the fastest of those that are right about whether they are hit wherever an instance may put them.
     pub fn new(world: World) -> Self {
-        Self::with_quadrics::<Naive<f32>>(world)
+        Self::with_quadrics::<Mixed<f32>>(world)
     }
 
     /// [`Scene::new`], with another kernel for quadrics.
     pub fn with_quadrics<Q: Kernel<Shape = Quadric>>(world: World) -> Self {
+        Self::build(world, |quadric| Box::new(Q::prepare(quadric)))
+    }
+
+    /// For any kernel for quadrics: the triangles' code is not compiled anew for each.
+    fn build(world: World, prepare: fn(&Quadric) -> Box<dyn AnyQuadric>) -> Self {
         let (mut prepared, mut trees, mut quadrics) = (Vec::new(), Vec::new(), Vec::<Box<dyn AnyQuadric>>::new());
         let mut first_primitive = 0;
         for geometry in world.geometries() {
@@ -110,7 +115,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
                     trees.len() - 1
                 }
                 Geometry::Quadric(quadric) => {
-                    quadrics.push(Box::new(Q::prepare(quadric)));
+                    quadrics.push(prepare(quadric));
                     quadrics.len() - 1
                 }
             };
