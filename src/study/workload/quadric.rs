@@ -169,7 +169,8 @@ impl Subject for Quadric {
             sample: |[distance, gap], rng| {
                 let radius = rng.random_range(0.5..2.0);
                 Sample::of(Quadric::sphere(radius), rng, |_, rng| {
-                    passing_ray(radius, 1.0 - gap * rng.random_range(0.5..1.0), distance * radius, rng)
+                    let share = 1.0 - gap * rng.random_range(0.5..1.0);
+                    passing_ray(radius, share, (1.0 + distance) * radius, rng)
                 })
             },
         },
