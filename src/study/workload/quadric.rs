@@ -169,7 +169,8 @@ impl Subject for Quadric {
             sample: |[distance, gap], rng| {
                 let radius = rng.random_range(0.5..2.0);
                 Sample::of(Quadric::sphere(radius), rng, |_, rng| {
-                    passing_ray(radius, 1.0 - gap * rng.random_range(0.5..1.0), distance * radius, rng)
+                    let share = 1.0 - gap * rng.random_range(0.5..1.0);
+                    passing_ray(radius, share, (1.0 + distance) * radius, rng)
                 })
             },
         },
@@ -282,8 +283,8 @@ fn moved_sphere(offset: f32, rng: &mut Pcg64) -> (Quadric, Vec3, f32) {
     loop {
         let center = direction(rng) * offset;
         let squared = center.as_dvec3().length_squared();
-        let radius = rng.random_range(0.5..2.0);
-        let constant = (squared - radius * radius) as f32;
+        let wanted: f64 = rng.random_range(0.5..2.0);
+        let constant = (squared - wanted * wanted) as f32;
         let squared_radius = (squared - f64::from(constant)) as f32;
         if (0.25..4.0).contains(&squared_radius) {
             let radius = squared_radius.sqrt();
