@@ -50,7 +50,11 @@ impl Mesh {
     ///
     /// # Errors
     /// Says which of these is not so, and where.
-    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, parts: Vec<Part>) -> Result<Self, MeshError> {
+    pub fn new(
+        mut positions: Vec<Vec3>,
+        mut triangles: Vec<[u32; 3]>,
+        mut parts: Vec<Part>,
+    ) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::NoTriangles);
         }
@@ -67,6 +71,10 @@ impl Mesh {
         if let Some(bad) = first_bad_part(&parts, triangles.len()) {
             return Err(MeshError::BadPart(bad));
         }
+        // Vectors that were grown have up to twice the room, and a mesh stays.
+        positions.shrink_to_fit();
+        triangles.shrink_to_fit();
+        parts.shrink_to_fit();
         Ok(Self { positions, triangles, parts })
     }
 

@@ -255,7 +255,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     fn setup(_: &Ray<f32>) {}
 
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let mut room: Room<Visit<f32>> = [(f32::NEG_INFINITY, Child::ROOT); _];
+        let mut room: Room<Visit<f32>> = [(0.0, Child::ROOT); _];
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.closest_hit(mesh, ray, f32::INFINITY, &mut room);
         }
@@ -311,7 +311,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
     fn setup(_: &Ray<f32x8>) {}
 
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let mut room: Room<Visit<f32x8>> = [(f32x8::splat(f32::NEG_INFINITY), Child::ROOT); _];
+        let mut room: Room<Visit<f32x8>> = [(f32x8::ZERO, Child::ROOT); _];
         if let Some((tree, mesh)) = self.only_mesh() {
             return tree.closest_hit8(mesh, ray, f32x8::splat(f32::INFINITY), &mut room);
         }

@@ -205,7 +205,7 @@ impl Child {
 pub(super) type Visit<L> = (L, Child);
 
 /// Room for what is still to visit on one level. The scene clears it once: to do so for each instance would cost as much as
-/// to visit some nodes.
+/// to visit some nodes. Zeros are the fastest to clear it with.
 pub(super) type Room<T> = [T; 64];
 
 /// What is still to visit. Trees of real meshes stay within the room; one that does not spills to the heap.

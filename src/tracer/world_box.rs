@@ -102,7 +102,8 @@ mod tests {
         assert_eq!(world_box(&object, &Affine3::IDENTITY), object);
         let turn = Affine3::from_mat3(Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X));
         assert_eq!(world_box(&object, &turn), Aabb { lo: object.lo.zxy(), hi: object.hi.zxy() });
-        let beyond = world_box(&object, &Affine3::from_scale(Vec3::splat(-1e10)));
-        assert_eq!((beyond.lo.z, beyond.lo.y, beyond.hi.z), (f32::NEG_INFINITY, f32::NEG_INFINITY, -3e10));
+        let scale = -8_589_934_592.0; // a power of two, so that 3 times it is an f32
+        let beyond = world_box(&object, &Affine3::from_scale(Vec3::splat(scale)));
+        assert_eq!((beyond.lo.z, beyond.lo.y, beyond.hi.z), (f32::NEG_INFINITY, f32::NEG_INFINITY, 3.0 * scale));
     }
 }
