@@ -199,6 +199,14 @@ impl Subject for Quadric {
             }
         }
     }
+
+    fn easy(rng: &mut Pcg64) -> Sample<Self> {
+        let radius = rng.random_range(0.5..1.5);
+        Sample::of(Quadric::sphere(radius), rng, |_, rng| {
+            let share = if rng.random_bool(0.7) { rng.random_range(0.0..0.9) } else { rng.random_range(1.1..1.5) };
+            passing_ray(radius, share, radius * rng.random_range(1.5..4.0), rng)
+        })
+    }
 }
 
 /// A random direction in the plane, of unit length.
