@@ -74,7 +74,7 @@ mod tests {
             };
             let bounds = world_box(&object, &transform);
             for axis in 0..3 {
-                let mut exact = [i128::from(translation[axis]) * unit << 24; 2];
+                let mut exact = [(i128::from(translation[axis]) * unit) << 24; 2];
                 for column in 0..3 {
                     let factor = i128::from(linear[3 * column + axis]);
                     let products = [corners[column].0, corners[column].1].map(|corner| factor * i128::from(corner));
