@@ -133,13 +133,10 @@ fn assert_normal(what: &str, got: Vec3, expected: &Exact3, bound: f64) {
     assert!(dot(&sine, &sine).is_at_most(&bound), "{what}: {got:?} is turned");
 }
 
+type Hits = Vec<(Ray<f32>, Hit<f32>)>;
+
 /// A scene of one instance, and rays at it that hit.
-fn hits(
-    geometry: Geometry,
-    object_to_world: Affine3,
-    paint: Paint,
-    seed: u64,
-) -> (Scene<MollerTrumbore<f32>>, Vec<(Ray<f32>, Hit<f32>)>) {
+fn hits(geometry: Geometry, object_to_world: Affine3, paint: Paint, seed: u64) -> (Scene<MollerTrumbore<f32>>, Hits) {
     let world = World::new(vec![geometry], vec![Placement { geometry: 0, object_to_world, paint }]).unwrap();
     let rays = worlds::rays(&world, seed, 64);
     let scene = Scene::new(world);

@@ -285,20 +285,18 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     }
 
     fn any_hit(&self, ray: &Ray<f32>, (): &()) -> bool {
-        let mut room: Room<Child> = [Child::ROOT; _];
         if let Some((tree, mesh)) = self.only_mesh() {
-            return tree.any_hit(mesh, ray, &mut room);
+            return tree.any_hit(mesh, ray);
         }
-        let mut upper = room;
         let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.any_hit(ray, &setup, &mut upper, |slot| {
+        self.bvh.any_hit(ray, &setup, |slot| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             if Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup).is_none() {
                 return false;
             }
             let ray = placed.ray_to_object(ray);
             match object {
-                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray, &mut room),
+                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray),
                 Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
             }
         })
@@ -339,13 +337,11 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
     }
 
     fn any_hit(&self, ray: &Ray<f32x8>, (): &()) -> Mask8 {
-        let mut room: Room<Child> = [Child::ROOT; _];
         if let Some((tree, mesh)) = self.only_mesh() {
-            return tree.any_hit8(mesh, ray, &mut room);
+            return tree.any_hit8(mesh, ray);
         }
-        let mut upper = room;
         let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup, &mut upper, |slot, limit| {
+        self.bvh.any_hit8(ray, &setup, |slot, limit| {
             let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
             let (inside, _) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
             let lanes = inside & gt8(limit, f32x8::splat(f32::NEG_INFINITY));
@@ -354,7 +350,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
             }
             let ray = placed.rays_to_object(ray, lanes);
             Some(match object {
-                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray, &mut room),
+                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray),
                 Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
             })
         })

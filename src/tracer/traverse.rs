@@ -60,10 +60,10 @@ impl Bvh {
         &self,
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
-        room: &mut Room<Child>,
         mut test: impl FnMut(usize) -> bool,
     ) -> bool {
-        let mut stack = Stack::new(room, Child::ROOT);
+        let mut room: Room<Child> = [Child::ROOT; _];
+        let mut stack = Stack::new(&mut room, Child::ROOT);
         while let Some(child) = stack.pop() {
             if child.count == 0 {
                 let node = &self.nodes[child.first as usize];
@@ -134,12 +134,12 @@ impl Bvh {
         &self,
         ray: &Ray<f32x8>,
         setup: &InverseDirection<f32x8>,
-        room: &mut Room<Child>,
         mut test: impl FnMut(usize, f32x8) -> Option<Mask8>,
     ) -> Mask8 {
         let mut found = Mask8::none();
         let mut limit = setup.t_max;
-        let mut stack = Stack::new(room, Child::ROOT);
+        let mut room: Room<Child> = [Child::ROOT; _];
+        let mut stack = Stack::new(&mut room, Child::ROOT);
         while let Some(child) = stack.pop() {
             if child.count == 0 {
                 let node = &self.nodes[child.first as usize];
@@ -204,8 +204,8 @@ impl Child {
 /// What a search for the closest hit has still to visit: where the ray enters its box, and what it is.
 pub(super) type Visit<L> = (L, Child);
 
-/// Room for what is still to visit on one level. The scene clears it once: to do so for each instance would cost as much as
-/// to visit some nodes. Zeros are the fastest to clear it with.
+/// Room for what is still to visit on one level. For the closest hit the scene clears it once: to do so for each instance
+/// would cost as much as to visit some nodes. Zeros are the fastest to clear it with.
 pub(super) type Room<T> = [T; 64];
 
 /// What is still to visit. Trees of real meshes stay within the room; one that does not spills to the heap.
