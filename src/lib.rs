@@ -52,6 +52,8 @@
 //! | face | how rays and primitives are paired: 1×1 (scalar), 8×1 (eight rays, one primitive), 1×8 |
 //! | prepared | what is computed once per primitive; its bytes are a reported cost |
 //! | setup | what is computed once per ray, such as the inverse direction |
+//! | quadric | a surface `f(p) = 0` of second degree, cut off by a box |
+//! | instance | a shape, or a whole mesh, put into the world by an affine transform |
 //! | oracle | the exact answer |
 //! | leak | a ray that exactly hits a closed mesh and is reported to hit nothing |
 //! | double | a ray reported to hit two triangles where exactly one is hit |
@@ -60,7 +62,7 @@
 //! # Semantics
 //!
 //! `t` counts in units of `|dir|` and is the same before and after an affine transform of the ray. The interval is closed.
-//! Edges belong to the triangle, surfaces to the box. A ray with a NaN anywhere, a zero direction, or an infinite origin
+//! Edges belong to the triangle, surfaces to the box, and what is exactly in a plane of its box to the quadric. A ray with a NaN anywhere, a zero direction, or an infinite origin
 //! or direction misses everything, and so does a degenerate primitive. No kernel panics, returns a NaN, or uses an
 //! absolute epsilon. A lane that misses holds [`geom::Hit::MISS`].
 //!
