@@ -12,7 +12,10 @@
 //! **Edges:** whether a tangent ray hits is decided in `f64`. The box cuts in `f32`, within its error bounds.
 //!
 //! **Fails:** a box much wider than the surface in it leaves the origin where it is: beyond 1e7 sizes the
-//! discriminant is lost in `f64` too. An origin nearly on a large surface sees `c` cancel to 2⁻⁵³ of its terms.
+//! discriminant is lost in `f64` too. An origin nearly on a large surface sees `c` cancel to 2⁻⁵³ of its terms. What
+//! becomes `f32` can underflow there: coefficients whose shares within the box are 1e38 apart, and, where the box is endless,
+//! `a` if the other root is 1e19 sizes away. A direction so short that its inverse overflows (2.9e-39) never enters a box
+//! that it starts outside of.
 //!
 //! **Degenerate input:** as `quadric/stable`.
 //!
