@@ -1,9 +1,9 @@
 //! Sharp cases: single rays that decide something, and what every kernel makes of each of them.
 //!
-//! `tests/cases/triangles.toml`, `boxes.toml`, `quadrics.toml` and `transforms.toml` state the cases: numbers, where they
-//! come from, what they show, and the truth, which the oracle must confirm, by its filter too where that is sure. The
-//! `.expected` files pin the outcome of every kernel, to the bit, right or wrong, so that a change for the better shows as
-//! well.
+//! `tests/cases/triangles.toml`, `boxes.toml`, `quadrics.toml` and `transforms.toml` state the cases: numbers, where
+//! they come from, what they show, and the truth, which the oracle must confirm, by its filter too where that is sure.
+//! The `.expected` files pin the outcome of every kernel, to the bit, right or wrong, so that a change for the better
+//! shows as well.
 //!
 //! # To add a case
 //!
@@ -16,10 +16,10 @@
 //!
 //! # To read an `.expected` file
 //!
-//! A case is its name, then `exact`, the correctly rounded answer, then one line for each kernel. A hit prints `t`, `u` and
-//! `v` (of a box: entry, exit, 0; of a quadric: u = v = 0) in decimal and in bits. In a mesh, `#n` is its n-th triangle, and
-//! the verdict counts the triangles hit. `<-` marks a false miss (a miss of what lies on a `boundary` is not one), a false hit, a leak, a double,
-//! and a `t` that is off by more than rounding.
+//! A case is its name, then `exact`, the correctly rounded answer, then one line for each kernel. A hit prints `t`, `u`
+//! and `v` (of a box: entry, exit, 0; of a quadric: u = v = 0) in decimal and in bits. In a mesh, `#n` is its n-th
+//! triangle, and the verdict counts the triangles hit. `<-` marks a false miss (a miss of what lies on a `boundary` is
+//! not one), a false hit, a leak, a double, and a `t` that is off by more than rounding.
 //!
 //! Some kernels exist only in builds with FMA. A build without them neither tests nor blesses their lines.
 

@@ -27,7 +27,6 @@ impl<S: Shape> Visitor<S> for Methods {
 fn registered() -> Methods {
     let mut methods = Methods::default();
     registry::all(&mut methods);
-    registry::quadrics(&mut methods);
     methods
 }
 

@@ -122,7 +122,7 @@ pub struct Operations {
 /// holds where an intermediate product overflows or is subnormal.
 ///
 /// The promises about quadrics are not about rays that pass an apex, or the rim where the box cuts, within an ulp of their
-/// own coordinates.
+/// own coordinates, nor about rays that start within a box but 1e7 times the size of the surface away from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Claim {
     /// Of two triangles that share an edge, a ray through that edge hits at least one.
