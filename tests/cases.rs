@@ -1,12 +1,14 @@
 //! Sharp cases: single rays that decide something, and what every kernel makes of each of them.
 //!
-//! `tests/cases/triangles.toml` and `boxes.toml` state the cases: numbers, where they come from, what they show, and the
-//! truth, which the oracle must confirm. `triangles.expected` and `boxes.expected` pin the outcome of every kernel, to the
-//! bit, right or wrong, so that a change for the better shows as well.
+//! `tests/cases/triangles.toml`, `boxes.toml`, `quadrics.toml` and `transforms.toml` state the cases: numbers, where
+//! they come from, what they show, and the truth, which the oracle must confirm, by its filter too where that is sure.
+//! The `.expected` files pin the outcome of every kernel, to the bit, right or wrong, so that a change for the better
+//! shows as well.
 //!
 //! # To add a case
 //!
-//! 1. Append a `[[case]]` to the TOML file; the comment at its top explains the fields.
+//! 1. Append a `[[case]]` to the TOML file (in `transforms.toml` a `[[triangle]]`, `[[box]]` or `[[quadric]]`); the comment
+//!    at its top explains the fields.
 //! 2. Run `RAYLANES_BLESS=1 cargo test --test cases`, which rewrites the `.expected` files.
 //! 3. Read the difference. A wrong outcome is marked `<-`; it is pinned like any other.
 //!
@@ -14,10 +16,10 @@
 //!
 //! # To read an `.expected` file
 //!
-//! A case is its name, then `exact`, the correctly rounded answer, then one line for each kernel. A hit prints `t`, `u` and
-//! `v` (of a box: entry, exit, 0) in decimal and in bits. In a mesh, `#n` is its n-th triangle, and the verdict counts the
-//! triangles hit. `<-` marks a false miss (a miss of what lies on a `boundary` is not one), a false hit, a leak, a double,
-//! and a `t` that is off by more than rounding.
+//! A case is its name, then `exact`, the correctly rounded answer, then one line for each kernel. A hit prints `t`, `u`
+//! and `v` (of a box: entry, exit, 0; of a quadric: u = v = 0) in decimal and in bits. In a mesh, `#n` is its n-th
+//! triangle, and the verdict counts the triangles hit. `<-` marks a false miss (a miss of what lies on a `boundary` is
+//! not one), a false hit, a leak, a double, and a `t` that is off by more than rounding.
 //!
 //! Some kernels exist only in builds with FMA. A build without them neither tests nor blesses their lines.
 
@@ -26,11 +28,11 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
-use raylanes::geom::{Aabb, Hit, Ray, Shape, Triangle};
+use glam::{Affine3, Mat3, Vec3};
+use raylanes::geom::{Aabb, Hit, Placed, Quadric, Ray, Shape, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::oracle::{Exact, Truth};
-use raylanes::registry::{self, Visitor};
+use raylanes::registry::{Registered, Visitor};
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, Error, Visitor as Fields};
 use toml::Spanned;
@@ -43,27 +45,39 @@ const ROUNDING: u32 = 64;
 
 #[test]
 fn triangles() {
-    run::<TriangleData>("triangles");
+    run("triangles", |text, results| results.add(text, &parse::<FileData<TriangleData>>(text)?.case));
 }
 
 #[test]
 fn boxes() {
-    run::<BoxData>("boxes");
+    run("boxes", |text, results| results.add(text, &parse::<FileData<BoxData>>(text)?.case));
 }
 
-fn run<D: Data>(name: &str) {
+#[test]
+fn quadrics() {
+    run("quadrics", |text, results| results.add(text, &parse::<FileData<QuadricData>>(text)?.case));
+}
+
+#[test]
+fn transforms() {
+    run("transforms", |text, results| {
+        let file: PlacedFileData = parse(text)?;
+        results.add(text, &file.triangle)?;
+        results.add(text, &file.cuboid)?;
+        results.add(text, &file.quadric)
+    });
+}
+
+fn run(name: &str, add: impl Fn(&str, &mut Results) -> Result<(), String>) {
     // Relative to the package, where cargo runs tests: messages name files as the reader knows them.
     let folder = Path::new("tests/cases");
-    let cases = read_cases::<D>(&folder.join(name).with_extension("toml")).unwrap_or_else(|error| panic!("{error}"));
-    let mut failures = check_truth(&cases);
-
-    let mut outcomes = Outcomes { cases: &cases, truths: truths(&cases), kernels: Vec::new(), failures: Vec::new() };
-    D::kernels(&mut outcomes);
-    let Outcomes { truths, kernels, failures: twins, .. } = outcomes;
-    failures.extend(twins);
+    let path = folder.join(name).with_extension("toml");
+    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut results = Results::default();
+    add(&text, &mut results).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let Results { failures, outcomes: got, .. } = results;
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 
-    let got = Outcome::of_all(&cases, &truths, kernels);
     let expected = folder.join(name).with_extension("expected");
     let pinned = Pinned::read(&expected);
     if std::env::var_os("RAYLANES_BLESS").is_some_and(|value| value == "1") {
@@ -72,6 +86,29 @@ fn run<D: Data>(name: &str) {
     }
     let failures = pinned.compare(&got);
     assert!(failures.is_empty(), "{}:\n{}\n{HOW_TO_BLESS}", expected.display(), failures.join("\n"));
+}
+
+/// What comes of the cases of a file.
+#[derive(Default)]
+struct Results {
+    names: BTreeSet<String>,
+    /// Where the stated truth is wrong, or the twins differ.
+    failures: Vec<String>,
+    outcomes: Vec<Outcome>,
+}
+
+impl Results {
+    /// Adds the cases of one shape. `text` is the file's.
+    fn add<D: Data>(&mut self, text: &str, data: &[CaseData<D>]) -> Result<(), String> {
+        let cases = parse_cases(text, data, &mut self.names)?;
+        self.failures.extend(check_truth(&cases));
+        let mut outcomes = Outcomes { cases: &cases, kernels: Vec::new(), failures: Vec::new() };
+        D::Shape::visit_kernels(&mut outcomes);
+        let Outcomes { kernels, failures, .. } = outcomes;
+        self.failures.extend(failures);
+        self.outcomes.extend(Outcome::of_all(&cases, &truths(&cases), kernels));
+        Ok(())
+    }
 }
 
 // ---- What a case is ------------------------------------------------------------------------------------------------
@@ -119,11 +156,20 @@ struct FileData<D> {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct PlacedFileData {
+    triangle: Vec<CaseData<PlacedData<TriangleData>>>,
+    #[serde(rename = "box")]
+    cuboid: Vec<CaseData<PlacedData<BoxData>>>,
+    quadric: Vec<CaseData<PlacedData<QuadricData>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CaseData<D> {
     name: Spanned<String>,
     source: String,
     why: String,
-    #[serde(alias = "triangles", alias = "boxes")]
+    #[serde(alias = "triangles", alias = "boxes", alias = "quadrics", alias = "placed")]
     shapes: Vec<D>,
     ray: RayData,
 }
@@ -156,6 +202,27 @@ struct BoxData {
     t: Option<Number>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct QuadricData {
+    squares: [Number; 3],
+    products: Option<[Number; 3]>,
+    linear: Option<[Number; 3]>,
+    constant: Option<Number>,
+    lo: [Number; 3],
+    hi: [Number; 3],
+    truth: Verdict,
+    t: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlacedData<D> {
+    object: D,
+    columns: [[Number; 3]; 3],
+    translation: [Number; 3],
+}
+
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "lowercase")]
 enum Verdict {
@@ -165,17 +232,19 @@ enum Verdict {
 
 /// A shape as written, and what is particular to its family.
 trait Data: DeserializeOwned {
-    type Shape: Shape + Exact;
+    type Shape: Registered + Exact;
+    /// What bounds it.
+    type Bounds: Exact;
 
     fn shape(&self, numbers: &Numbers) -> Result<Self::Shape, String>;
     fn truth(&self) -> (Verdict, Option<&Number>);
-    fn kernels(outcomes: &mut Outcomes<Self::Shape>);
-    /// Where the ray is within the bounds of the shape, if it meets them; for a box, which is its own bounds, anywhere.
-    fn bounds(shape: &Self::Shape, ray: &Ray<f32>) -> Option<(f32, f32)>;
+    /// The bounds of the shape; `None` for a box, which is its own.
+    fn bounds(shape: &Self::Shape) -> Option<Self::Bounds>;
 }
 
 impl Data for TriangleData {
     type Shape = Triangle;
+    type Bounds = Aabb;
 
     fn shape(&self, numbers: &Numbers) -> Result<Triangle, String> {
         Ok(Triangle { v0: numbers.vector(&self.v0)?, v1: numbers.vector(&self.v1)?, v2: numbers.vector(&self.v2)? })
@@ -185,18 +254,14 @@ impl Data for TriangleData {
         (self.truth, self.t.as_ref())
     }
 
-    fn kernels(outcomes: &mut Outcomes<Triangle>) {
-        registry::triangles(outcomes);
-    }
-
-    fn bounds(shape: &Triangle, ray: &Ray<f32>) -> Option<(f32, f32)> {
-        let truth = shape.bounds().truth(ray);
-        truth.hit.then_some((truth.t, truth.u))
+    fn bounds(shape: &Triangle) -> Option<Aabb> {
+        Some(shape.bounds())
     }
 }
 
 impl Data for BoxData {
     type Shape = Aabb;
+    type Bounds = Aabb;
 
     fn shape(&self, numbers: &Numbers) -> Result<Aabb, String> {
         Ok(Aabb { lo: numbers.vector(&self.lo)?, hi: numbers.vector(&self.hi)? })
@@ -206,12 +271,56 @@ impl Data for BoxData {
         (self.truth, self.t.as_ref())
     }
 
-    fn kernels(outcomes: &mut Outcomes<Aabb>) {
-        registry::boxes(outcomes);
+    fn bounds(_: &Aabb) -> Option<Aabb> {
+        None
+    }
+}
+
+impl Data for QuadricData {
+    type Shape = Quadric;
+    type Bounds = Aabb;
+
+    fn shape(&self, numbers: &Numbers) -> Result<Quadric, String> {
+        let vector = |written: &Option<[Number; 3]>| written.as_ref().map_or(Ok(Vec3::ZERO), |v| numbers.vector(v));
+        Ok(Quadric {
+            squares: numbers.vector(&self.squares)?,
+            products: vector(&self.products)?,
+            linear: vector(&self.linear)?,
+            constant: self.constant.as_ref().map_or(Ok(0.0), |constant| numbers.scalar(constant))?,
+            clip: Aabb { lo: numbers.vector(&self.lo)?, hi: numbers.vector(&self.hi)? },
+        })
     }
 
-    fn bounds(_: &Aabb, _: &Ray<f32>) -> Option<(f32, f32)> {
-        Some((f32::NEG_INFINITY, f32::INFINITY))
+    fn truth(&self) -> (Verdict, Option<&Number>) {
+        (self.truth, self.t.as_ref())
+    }
+
+    fn bounds(shape: &Quadric) -> Option<Aabb> {
+        Some(shape.bounds())
+    }
+}
+
+impl<D: Data> Data for PlacedData<D>
+where
+    Placed<D::Shape>: Registered + Exact,
+    Placed<D::Bounds>: Exact,
+{
+    type Shape = Placed<D::Shape>;
+    type Bounds = Placed<D::Bounds>;
+
+    fn shape(&self, numbers: &Numbers) -> Result<Self::Shape, String> {
+        let [x, y, z] = &self.columns;
+        let matrix3 = Mat3::from_cols(numbers.vector(x)?, numbers.vector(y)?, numbers.vector(z)?);
+        let object_to_world = Affine3 { matrix3, translation: numbers.vector(&self.translation)? };
+        Ok(Placed { shape: self.object.shape(numbers)?, object_to_world })
+    }
+
+    fn truth(&self) -> (Verdict, Option<&Number>) {
+        self.object.truth()
+    }
+
+    fn bounds(shape: &Self::Shape) -> Option<Self::Bounds> {
+        Some(Placed { shape: D::bounds(&shape.shape)?, object_to_world: shape.object_to_world })
     }
 }
 
@@ -220,7 +329,8 @@ struct Case<S> {
     shapes: Vec<S>,
     stated: Vec<(Verdict, Option<f32>)>,
     ray: Ray<f32>,
-    /// Bounds of each shape along the ray: a hit far outside them is a false one of the worst kind.
+    /// Where the ray is within the bounds of each shape, if it meets them: a hit far outside is a false one of the worst
+    /// kind.
     bounds: Vec<Option<(f32, f32)>>,
 }
 
@@ -256,29 +366,29 @@ impl Numbers<'_> {
     }
 }
 
-fn read_cases<D: Data>(path: &Path) -> Result<Vec<Case<D::Shape>>, String> {
-    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    parse_cases::<D>(&text).map_err(|error| format!("{}: {error}", path.display()))
+fn parse<F: DeserializeOwned>(text: &str) -> Result<F, String> {
+    toml::from_str(text).map_err(|error| error.to_string())
 }
 
-fn parse_cases<D: Data>(text: &str) -> Result<Vec<Case<D::Shape>>, String> {
-    let file: FileData<D> = toml::from_str(text).map_err(|error| error.to_string())?;
-    let numbers = Numbers { text };
-    let mut names = BTreeSet::new();
-    file.case.iter().map(|data| parse_case(data, &numbers, &mut names)).collect()
+fn parse_cases<D: Data>(
+    text: &str,
+    data: &[CaseData<D>],
+    names: &mut BTreeSet<String>,
+) -> Result<Vec<Case<D::Shape>>, String> {
+    data.iter().map(|data| parse_case(data, &Numbers { text }, names)).collect()
 }
 
-fn parse_case<'a, D: Data>(
-    data: &'a CaseData<D>,
+fn parse_case<D: Data>(
+    data: &CaseData<D>,
     numbers: &Numbers,
-    names: &mut BTreeSet<&'a str>,
+    names: &mut BTreeSet<String>,
 ) -> Result<Case<D::Shape>, String> {
     let name = data.name.get_ref().as_str();
     let fail = |what: &str| Err(format!("line {}: case {name:?} {what}", numbers.line(data.name.span().start)));
     if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
         return fail("must be named with letters, digits and hyphens only");
     }
-    if !names.insert(name) {
+    if !names.insert(name.to_owned()) {
         return fail("is there twice");
     }
     if data.source.trim().is_empty() || data.why.trim().is_empty() || data.why.contains('\n') {
@@ -300,7 +410,14 @@ fn parse_case<'a, D: Data>(
         Ok((verdict, t.map(|t| numbers.scalar(t)).transpose()?))
     });
     let stated = stated.collect::<Result<_, String>>()?;
-    let bounds = shapes.iter().map(|shape| D::bounds(shape, &ray)).collect();
+    let bounds = shapes.iter().map(|shape| {
+        let Some(bounds) = D::bounds(shape) else {
+            return Some((f32::NEG_INFINITY, f32::INFINITY));
+        };
+        let truth = bounds.truth(&ray);
+        truth.hit.then_some((truth.t, truth.u))
+    });
+    let bounds = bounds.collect();
     Ok(Case { name: name.to_owned(), shapes, stated, ray, bounds })
 }
 
@@ -310,12 +427,16 @@ fn truths<S: Exact>(cases: &[Case<S>]) -> Vec<Vec<Truth>> {
     cases.iter().map(|case| case.shapes.iter().map(|shape| shape.truth_exact(&case.ray)).collect()).collect()
 }
 
-/// What the file states against what the oracle says.
+/// What the file states against what the oracle says, and its filter against itself.
 fn check_truth<S: Exact>(cases: &[Case<S>]) -> Vec<String> {
     let mut failures = Vec::new();
     for (case, truths) in cases.iter().zip(truths(cases)) {
         for (index, (truth, (verdict, t))) in truths.iter().zip(&case.stated).enumerate() {
             let exact = print_truth(truth);
+            if let Some(filtered) = case.shapes[index].truth_filtered(&case.ray).filter(|filtered| filtered != truth) {
+                let filtered = print_truth(&filtered);
+                failures.push(format!("{} #{index}: the filter says {filtered}, the oracle: {exact}", case.name));
+            }
             if truth.hit != (*verdict == Verdict::Hit) {
                 failures.push(format!("{} #{index}: the file states {verdict:?}, the oracle: {exact}", case.name));
             } else if let Some(t) = t.filter(|t| *t != truth.t) {
@@ -336,7 +457,6 @@ struct KernelHits {
 
 struct Outcomes<'a, S> {
     cases: &'a [Case<S>],
-    truths: Vec<Vec<Truth>>,
     kernels: Vec<KernelHits>,
     failures: Vec<String>,
 }
@@ -520,10 +640,9 @@ impl Pinned {
 
     fn compare(&self, got: &[Outcome]) -> Vec<String> {
         let mut failures = Vec::new();
-        let present = got.first().into_iter().flat_map(|outcome| &outcome.lines);
         let unknown = |kernel: &str| !self.kernels.iter().any(|known| known == kernel);
-        let new = present.filter(|(kernel, _)| unknown(kernel));
-        failures.extend(new.map(|(kernel, _)| format!("{kernel}: nothing is pinned, in no case")));
+        let new = present(got).into_iter().filter(|kernel| unknown(kernel));
+        failures.extend(new.map(|kernel| format!("{kernel}: nothing is pinned, in no case")));
         for Outcome { case, lines } in got {
             for (kernel, line) in lines.iter().filter(|(kernel, _)| !unknown(kernel)) {
                 match self.lines.get(case).and_then(|kernels| kernels.get(kernel)) {
@@ -542,15 +661,13 @@ impl Pinned {
 
     /// Kernels with pinned lines that this build does not have.
     fn absent<'a>(&'a self, got: &'a [Outcome]) -> impl Iterator<Item = &'a str> {
-        let present: BTreeSet<&str> =
-            got.iter().flat_map(|outcome| outcome.lines.iter().map(|(kernel, _)| kernel.as_str())).collect();
+        let present = present(got);
         self.kernels.iter().map(String::as_str).filter(move |kernel| !present.contains(kernel))
     }
 
     /// The file that pins what this build got, and keeps the lines of kernels that it lacks where they were.
     fn blessed(&self, name: &str, got: &[Outcome]) -> String {
-        let mut order: Vec<&str> =
-            got.first().map_or(vec![], |outcome| outcome.lines.iter().map(|(kernel, _)| kernel.as_str()).collect());
+        let mut order = present(got);
         for kernel in self.absent(got).filter(|kernel| is_written(kernel)) {
             let position = self.kernels.iter().position(|pinned| pinned == kernel).unwrap();
             let before = self.kernels[..position].iter().rev();
@@ -558,6 +675,7 @@ impl Pinned {
             order.insert(place.map_or(0, |place| place + 1), kernel);
         }
 
+        let width = order.iter().map(|kernel| kernel.len()).fold(28, usize::max);
         let mut text = format!(
             "# Written by `RAYLANES_BLESS=1 cargo test --test cases` from {name}.toml; tests/cases.rs explains it.\n"
         );
@@ -567,7 +685,7 @@ impl Pinned {
                 let line = lines.iter().find(|(id, _)| id == kernel).map(|(_, line)| line);
                 let kept = || self.lines.get(case).and_then(|kernels| kernels.get(*kernel));
                 if let Some(line) = line.or_else(kept) {
-                    writeln!(text, "  {kernel:28} {line}").unwrap();
+                    writeln!(text, "  {kernel:width$} {line}").unwrap();
                 }
             }
         }
@@ -575,15 +693,29 @@ impl Pinned {
     }
 }
 
-/// Whether the sources of the kernels name this ID, so that the kernel exists even if this build lacks it.
+/// The kernels that this build has, in the order of the registry; those of placed shapes differ from shape to shape.
+fn present(got: &[Outcome]) -> Vec<&str> {
+    let mut kernels: Vec<&str> = Vec::new();
+    for (kernel, _) in got.iter().flat_map(|outcome| &outcome.lines) {
+        if !kernels.contains(&kernel.as_str()) {
+            kernels.push(kernel);
+        }
+    }
+    kernels
+}
+
+/// Whether the sources of the kernels name this ID, both halves of an instance's, so that the kernel exists even if this
+/// build lacks it.
 fn is_written(kernel: &str) -> bool {
     fn sources(folder: PathBuf) -> Vec<PathBuf> {
         let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         entries.flat_map(|path| if path.is_dir() { sources(path) } else { vec![path] }).collect()
     }
-    let quoted = format!("\"{kernel}\"");
-    let files = sources(PathBuf::from("src/kernels"));
-    files.iter().any(|file| fs::read_to_string(file).unwrap().contains(&quoted))
+    let files: Vec<_> =
+        sources(PathBuf::from("src/kernels")).iter().map(|file| fs::read_to_string(file).unwrap()).collect();
+    let words: Vec<_> = kernel.split('/').collect();
+    let quoted = words.chunks(2).map(|id| format!("\"{}\"", id.join("/")));
+    quoted.into_iter().all(|id| files.iter().any(|file| file.contains(&id)))
 }
 
 // ---- The checks above, checked -------------------------------------------------------------------------------------
@@ -599,7 +731,8 @@ fn numbers_are_read_to_the_bit() {
         boxes = [{ lo = [1.00000005960464477539062500000001, -0.0, 0], hi = [inf, "0x3f800001", 16_777_217], truth = "miss" }]
         ray = { origin = [0, -0, 1e-45], dir = ["0x7fc00000", 0, 0], t_min = -inf }
     "#;
-    let case = &parse_cases::<BoxData>(text).unwrap()[0];
+    let file: FileData<BoxData> = parse(text).unwrap();
+    let case = &parse_cases(text, &file.case, &mut BTreeSet::new()).unwrap()[0];
     let bits = |v: Vec3| v.to_array().map(f32::to_bits);
     assert_eq!(bits(case.shapes[0].lo), [0x3f80_0001, 0x8000_0000, 0]);
     assert_eq!(bits(case.shapes[0].hi), [0x7f80_0000, 0x3f80_0001, 0x4b80_0000]);

@@ -121,7 +121,8 @@ pub struct Operations {
 /// over: a triangle seen nearly edge-on, or a sliver, may be rejected by its other edges or hit beside its neighbours. None
 /// holds where an intermediate product overflows or is subnormal.
 ///
-/// The promises about quadrics are not about rays that pass an apex within an ulp of their own coordinates.
+/// The promises about quadrics are not about rays that pass an apex, or the rim where the box cuts, within an ulp of their
+/// own coordinates, nor about rays that start within a box but 1e7 times the size of the surface away from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Claim {
     /// Of two triangles that share an edge, a ray through that edge hits at least one.

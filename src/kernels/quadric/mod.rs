@@ -222,6 +222,14 @@ struct Form<P: Lanes> {
     constant: P,
 }
 
+/// 2¹²⁶: twice as much is still an `f32`.
+const NEAR_THE_END: f64 = 1.0 / (f32::MIN_POSITIVE as f64);
+
+/// The power of two at or below a positive normal number: all bits but those of the exponent are cleared.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
+}
+
 impl Form<f32> {
     /// The polynomial about `center`, computed in `f64` and rounded once. Coordinates within the box are then at most about
     /// `size`, and the power of two is such that the discriminant is about 1, far from both ends of the range.
@@ -240,8 +248,22 @@ impl Form<f32> {
         let greatest = |v: DVec3| v.abs().max_element();
         let magnitude = [greatest(squares) * size, greatest(products) * size, greatest(linear), constant.abs() / size];
         let magnitude = magnitude.into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        // The power of two below: all bits of the number but those of its exponent are cleared.
-        let scale = 1.0 / f64::from_bits(magnitude.to_bits() & f64::INFINITY.to_bits());
+        Self::scaled([squares, products, linear], constant, 1.0 / power_of_two_below(magnitude))
+    }
+
+    /// The polynomial about 0, for kernels whose discriminant has all of the range of `f64`. The greatest coefficient is
+    /// brought next to the end of the range of `f32`: then none is lost, however small beside it, but for two last bits
+    /// of those that are less than 2⁻²⁵² of it.
+    fn of(shape: &Quadric) -> Self {
+        let (squares, constant) = (shape.squares.as_dvec3(), f64::from(shape.constant));
+        let (products, linear) = (shape.products.as_dvec3() * 0.5, shape.linear.as_dvec3() * 0.5);
+        let greatest = squares.abs().max(products.abs()).max(linear.abs()).max_element().max(constant.abs());
+        let scale = NEAR_THE_END / power_of_two_below(greatest.max(f64::from(f32::MIN_POSITIVE)));
+        Self::scaled([squares, products, linear], constant, scale)
+    }
+
+    /// Everything times `scale`, rounded once.
+    fn scaled([squares, products, linear]: [DVec3; 3], constant: f64, scale: f64) -> Self {
         Self {
             squares: (squares * scale).as_vec3(),
             products: (products * scale).as_vec3(),
@@ -347,8 +369,9 @@ impl<P: Lanes> Form<P> {
     }
 }
 
-/// The roots of `a·t² + 2b·t + c` with the discriminant `b² - a·c`, in no order; those that are infinite or NaN are none. The sum in `q` never cancels. Where
-/// `a` is zero, `c/q` is the one root, without a case of its own; where `b` is zero too there is none.
+/// The roots of `a·t² + 2b·t + c` with the discriminant `b² - a·c`, in no order; those that are infinite or NaN are none.
+/// The sum in `q` never cancels. Where `a` is zero, `c/q` is the one root, without a case of its own; where `b` is zero too
+/// there is none.
 #[inline(always)]
 fn roots(discriminant: f32, a: f32, b: f32, c: f32) -> [f32; 2] {
     // An infinite q would make c/q a root at 0.

@@ -7,12 +7,13 @@
 //! **Differs from the source:** nothing is returned early, since a packet cannot be, and the box limits the roots.
 //!
 //! **Edges:** the surface belongs to its box, but for rounding. At a tangent ray, whether the discriminant is negative
-//! is up to rounding.
+//! is up to rounding, and its root, which `t` has a share of, is wrong by the root of an ulp.
 //!
-//! **Fails:** `b²` and `4ac` grow with the square of the distance from the coordinates' origin, and what is left of their
-//! difference does not: unit spheres a thousand radii away are hit or missed by chance. The root of the smaller magnitude
-//! cancels wherever `4ac` is small beside `b²`: near the surface, and where `a` is, as for a paraboloid and a ray nearly
-//! along its axis. Products overflow where the discriminant, of the fourth degree in the sizes involved, does.
+//! **Fails:** `b²` and `4ac` grow with the square of the distance from the coordinates' origin, and what is left of
+//! their difference does not: unit spheres a thousand radii away are hit or missed by chance. The root of the smaller
+//! magnitude cancels wherever `4ac` is small beside `b²`: near the surface, and where `a` is, as for a paraboloid and a
+//! ray nearly along its axis. Products over- and underflow where the discriminant does, which is of the fourth degree
+//! in the sizes involved and of the second in the coefficients.
 //!
 //! **Degenerate input:** where `a` is exactly zero the equation is linear. Where `b` is zero too, the ray runs within the
 //! surface or nowhere near it, and misses: its root is infinite or NaN.

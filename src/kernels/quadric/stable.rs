@@ -9,18 +9,22 @@
 //! has one sign; `q/a` and `c/q` are the roots. Wherever the move goes to, the roots belong to that point: that
 //! it was rounded does not matter.
 //!
-//! **Differs from the source:** it is not for spheres alone. The point is the middle of the box, or rather 0 where the box
-//! contains it, since that is where the named kinds have their centre or apex; the polynomial is prepared about it in
-//! `f64`. Of a long thin surface the ray may come closest far outside, so the move ends at the box. Directions are
-//! divided by a power of two, and so are coefficients: neither short nor long directions, nor a factor that all
-//! coefficients share, nor a surface's size bring a product near the end of the range.
+//! **Differs from the source:** it is not for spheres alone. The point is the middle of the box, or rather 0 where the
+//! box contains it, since that is where the named kinds have their centre or apex; the polynomial is prepared about it
+//! in `f64`. Of a long thin surface the ray may come closest far outside, so the move ends at the box. Directions are
+//! divided by a power of two, and so are coefficients: neither short nor long directions, unless they are subnormal,
+//! nor a factor that all coefficients share, nor a surface's size bring a product near the end of the range.
 //!
-//! **Edges:** as `quadric/naive`. From 1e5 radii a sphere's silhouette is known to a hundredth of its radius, as is
-//! `origin + t·dir`.
+//! **Edges:** the surface belongs to its box, but for rounding. At a tangent ray, whether the discriminant is negative
+//! is up to rounding, and its root, which `t` has a share of, is wrong by the root of an ulp. From 1e5 radii a sphere's
+//! silhouette is known to a hundredth of its radius, as is `origin + t·dir`.
 //!
-//! **Fails:** near a surface that is much larger than the distance to it, `c` cancels, and so does `t`, which is the sum of
-//! the move and a root: a ten-thousandth above a sphere of radius 8192, no digit is right. An ellipsoid that is
-//! long, thin and not along an axis loses the square of its aspect.
+//! **Fails:** near a surface that is much larger than the distance to it, `c` cancels, and so does `t`, which is the
+//! sum of the move and a root: a ten-thousandth above a sphere of radius 8192, no digit is right. An ellipsoid that is
+//! long, thin and not along an axis loses the square of its aspect. A ray that nearly runs within the surface, as along
+//! a ruling, is moved to a point that is rounded: off the ray by more than the ray is off the surface. Coefficients
+//! whose shares within the box are 1e38 apart lose the lesser, and where the box is endless, `a` underflows if the
+//! other root is 1e19 sizes away. A ray whose direction is subnormal may be moved by infinity, and then misses.
 //!
 //! **Degenerate input:** where `a` is exactly zero, `c/q` is the root of the linear equation. Where `b` is zero too, both are
 //! infinite or NaN: a miss. A discriminant that overflows is one too.

@@ -168,6 +168,8 @@ fn centered(style: TextStyle<'static>) -> TextStyle<'static> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
     use crate::study::fixture::{all_ids, degenerate_records, record_of};
 
@@ -184,7 +186,8 @@ mod tests {
         let record = record_of(&all_ids());
         let charts = charts(&record);
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
-        assert_eq!(charts.len(), 2 + record.regimes.len() + 3);
+        let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
+        assert_eq!(charts.len(), 2 + record.regimes.len() + with_maps.len());
         for chart in &charts {
             sound(chart);
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
