@@ -24,7 +24,7 @@ use crate::kernels::{Intersect, Kernel};
 /// A hit's primitive number counts the primitives of all geometries in their order, triangles in the order of their mesh; a
 /// quadric counts one. The instance number is that of the [`Placement`].
 ///
-/// Geometry is shared by its instances. An instance takes 296 bytes, with its placement and all that the tree needs.
+/// Geometry is shared by its instances. An instance takes 328 bytes, with its placement and all that the tree needs.
 #[derive(Debug)]
 pub struct Scene<K> {
     world: World,
