@@ -345,6 +345,9 @@ struct TraceResult {
     kernel: String,
     threads: usize,
     build_seconds: f64,
+    /// Of geometry, instances, trees and prepared primitives.
+    bytes: usize,
+    /// The same, of a scene of quadrics alone per quadric.
     bytes_per_triangle: f64,
 }
 
@@ -376,10 +379,12 @@ fn trace(arguments: &TraceArguments) -> Result<String, Error> {
     let TraceResult { scene, triangles, quadrics, instances, rays, hits, mrays_per_second, .. } = result;
     let TraceResult { checksum, mode, kernel, threads, .. } = result;
     Ok(format!(
-        "{scene}: {triangles} triangles, {quadrics} quadrics, {instances} instances, built in {:.3} s, {:.1} bytes per triangle\n\
+        "{scene}: {triangles} triangles, {quadrics} quadrics, {instances} instances, built in {:.3} s, {:.2} MB\n\
          {mrays_per_second:.2} Mrays/s (median of {}), {rays} rays, {hits} hits, checksum {checksum}\n\
          kernel {kernel}, mode {mode}, threads {threads}\n",
-        result.build_seconds, result.bytes_per_triangle, arguments.repeat,
+        result.build_seconds,
+        result.bytes as f64 / 1e6,
+        arguments.repeat,
     ))
 }
 
@@ -421,7 +426,7 @@ impl Task<Triangle> for Trace<'_> {
             kernel: K::INFO.id.to_string(),
             threads: pool.current_num_threads(),
             build_seconds,
-            // Of a scene of quadrics alone, bytes per quadric.
+            bytes: scene.bytes(),
             bytes_per_triangle: scene.bytes() as f64 / if triangles > 0 { triangles } else { quadrics } as f64,
         };
         (result, hits)
