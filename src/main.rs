@@ -45,7 +45,7 @@ const DEFAULT_SEED: u64 = 2026;
 
 #[derive(Args)]
 struct StudyArguments {
-    /// Scenes for the tracer's table [default: room, terrain:1e5 and sphere].
+    /// Scenes for the tracer's table [default: room, terrain:1e5, sphere, forest:10000 and gallery].
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.

@@ -75,6 +75,7 @@ pub(super) fn record_of(ids: &[String]) -> Record {
         record.tracer.push(TracerRow {
             scene: "spheres".into(),
             triangles: 81_920,
+            instances: 3,
             rays: "primary".into(),
             ray_count: 1_048_576,
             hits: 700_000,

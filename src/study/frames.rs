@@ -39,6 +39,7 @@ pub(crate) fn measure(
         rows.extend(time(&scene, &set, samples, thread_counts)?.into_iter().map(|job| TracerRow {
             scene: source.name(),
             triangles: scene.primitives(),
+            instances: scene.world().instances().len(),
             rays: set.name.into(),
             ray_count: set.rays.len(),
             hits: job.hits.iter().filter(|hit| hit.mask).count(),

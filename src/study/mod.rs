@@ -48,8 +48,11 @@ pub struct Options {
 impl Options {
     /// The scenes that are measured when none is named.
     pub fn default_scenes(quick: bool) -> Vec<SceneSource> {
-        let names =
-            if quick { ["room:small", "terrain:1e3", "sphere:small"] } else { ["room", "terrain:1e5", "sphere"] };
+        let names = if quick {
+            ["room:small", "terrain:1e3", "sphere:small", "forest:1000", "gallery"]
+        } else {
+            ["room", "terrain:1e5", "sphere", "forest:10000", "gallery"]
+        };
         names.map(|name| SceneSource::parse(name).expect("built-in scenes exist in these sizes")).into()
     }
 }

@@ -236,8 +236,10 @@ pub struct AccuracyRow {
 pub struct TracerRow {
     /// Scene name.
     pub scene: String,
-    /// Triangles in it.
+    /// Triangles and quadrics in it, each counted once whatever its number of instances.
     pub triangles: usize,
+    /// Instances of them.
+    pub instances: usize,
     /// `primary` (closest hit) or `shadow` (any hit).
     pub rays: String,
     /// Number of rays.
@@ -256,7 +258,7 @@ pub struct TracerRow {
     pub mrays_per_second_mad: f64,
     /// Seconds to build the scene's BVH, all threads.
     pub build_seconds: f64,
-    /// Mesh, prepared triangles and nodes, per triangle.
+    /// Meshes, instances, prepared primitives and nodes, by [`TracerRow::triangles`].
     pub bytes_per_triangle: f64,
     /// Hash over the bits of every hit; equal for all modes and thread counts, or the study fails.
     pub checksum: String,

@@ -285,13 +285,14 @@ fn errors(rows: &[(&Figures, &AccuracyRow)]) -> String {
 
 fn tracer_table(record: &Record) -> String {
     let threads = thread_counts(record.tracer.iter().map(|row| row.threads));
-    let mut grid = Grid::new(3, ["scene", "rays", "kernel", "triangles", "ray count", "hits"]);
+    let mut grid = Grid::new(3, ["scene", "rays", "kernel", "primitives", "instances", "ray count", "hits"]);
     grid.header.extend(tracer_header(&threads));
-    grid.header.extend(["build s", "bytes / triangle"].map(Cell::from));
+    grid.header.extend(["build s", "bytes / primitive"].map(Cell::from));
     for rows in tracer_rows(record) {
         let first = rows[0];
         let mut row = vec![Cell::from(first.scene.as_str()), Cell::from(first.rays.as_str()), code(&first.kernel)];
-        row.extend([first.triangles, first.ray_count, first.hits].map(|value| Cell::from(count(value as u64))));
+        let counts = [first.triangles, first.instances, first.ray_count, first.hits];
+        row.extend(counts.map(|value| Cell::from(count(value as u64))));
         row.extend(tracer_cells(&rows, &threads));
         row.push(Cell::from(number(first.build_seconds, 3)));
         row.push(Cell::from(number(first.bytes_per_triangle, 3)));
