@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::generator::hash;
 use super::{Camera, Error, Light, Mode, Scene, SurfacePoint, block_order, trace, write_atomically};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
@@ -263,13 +264,6 @@ fn encode(linear: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
 
-/// C. Wellons' integer hash "lowbias32", 2018: every bit of the input changes half of the output's.
-fn hash(mut number: u32) -> u32 {
-    number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);
-    number = (number ^ number >> 15).wrapping_mul(0x846c_a68b);
-    number ^ number >> 16
-}
-
 /// A number from 0 to 1, excluding 1.
 fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
@@ -277,26 +271,18 @@ fn unit(bits: u32) -> f32 {
 
 /// A bright colour of its own for (nearly) each number.
 fn distinct_color(number: u32) -> Vec3 {
-    let bits = hash(number);
-    let hue = unit(bits) * 6.0;
+    let hue = unit(hash(number, 0, 0)) * 6.0;
     let ramp = |from: f32| (((hue + from) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
-    let saturation = 0.45 + 0.5 * unit(hash(bits));
+    let saturation = 0.45 + 0.5 * unit(hash(number, 1, 0));
     Vec3::ONE.lerp(Vec3::new(ramp(0.0), ramp(4.0), ramp(2.0)), saturation)
 }
 
 /// A point of the unit sphere's surface, evenly distributed.
 fn on_sphere(pixel: u32, sample: u32) -> Vec3 {
-    let mut bits = hash(pixel ^ hash(sample));
-    let mut coordinate = || {
-        bits = hash(bits.wrapping_add(0x9e37_79b9));
-        2.0 * unit(bits) - 1.0
-    };
-    loop {
-        let point = Vec3::new(coordinate(), coordinate(), coordinate());
-        if (0.01..1.0).contains(&point.length_squared()) {
-            return point.normalize();
-        }
-    }
+    let coordinate = |number| 2.0 * unit(hash(pixel, sample, number)) - 1.0;
+    let points = (0..).map(|attempt| Vec3::from([0, 1, 2].map(|axis| coordinate(3 * attempt + axis))));
+    let mut inside = points.filter(|point| (0.01..1.0).contains(&point.length_squared()));
+    inside.next().expect("half of the cube is inside of the sphere").normalize()
 }
 
 #[cfg(test)]
