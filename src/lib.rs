@@ -84,7 +84,8 @@
 //! the lines marked `<-`) and its errors in every regime. What it claims is enforced; what it does not claim, it has to be
 //! seen to break. A kernel of your own crate can implement the same traits and be used with the tracer as it is.
 
-#![cfg_attr(not(feature = "std"), no_std)]
+// Tests may use all of std, also those of a build without it.
+#![cfg_attr(not(any(feature = "std", test)), no_std)]
 #![forbid(unsafe_code)]
 
 pub mod geom;
