@@ -791,39 +791,35 @@ fn a_placed_triangle_is_the_transformed_triangle() {
     tally.assert_shares(&"placed triangles", 1.0, 0.3, 0.1);
 }
 
-#[test]
-fn a_placed_box_meets_the_untransformed_ray_as_before() {
-    let (mut inputs, mut tally) = (Inputs::new(41), Tally::default());
+fn meets_the_untransformed_ray_as_before<S>(seed: u64, name: &str, input: fn(&mut Inputs, Kind) -> (S, Ray<f32>))
+where
+    S: Exact,
+    Placed<S>: Exact,
+{
+    let (mut inputs, mut tally) = (Inputs::new(seed), Tally::default());
     for _ in 0..CASES / 4 {
-        let (shape, ray) = inputs.aabb(Kind::Grid);
+        let (shape, ray) = input(&mut inputs, Kind::Grid);
         let truth = shape.truth_exact(&ray);
         let identity = Placed { shape, object_to_world: Affine3::IDENTITY };
         assert_same(identity.truth(&ray), truth, &(shape, ray));
 
-        // The transform moves box and ray exactly, so nothing may change, least of all t.
+        // The transform moves shape and ray exactly, so nothing may change, least of all t.
         let (placed, moved) = placed(shape, inputs.exact_transform(), ray);
         assert_same(placed.truth_exact(&moved), truth, &(placed, moved));
         assert_same(placed.truth(&moved), truth, &(placed, moved));
         tally.count(&truth, true);
     }
-    tally.assert_shares(&"placed boxes", 1.0, 0.3, 0.1);
+    tally.assert_shares(&name, 1.0, 0.3, 0.1);
+}
+
+#[test]
+fn a_placed_box_meets_the_untransformed_ray_as_before() {
+    meets_the_untransformed_ray_as_before(41, "placed boxes", Inputs::aabb);
 }
 
 #[test]
 fn a_placed_quadric_meets_the_untransformed_ray_as_before() {
-    let (mut inputs, mut tally) = (Inputs::new(42), Tally::default());
-    for _ in 0..CASES / 4 {
-        let (shape, ray) = inputs.quadric(Kind::Grid);
-        let truth = shape.truth_exact(&ray);
-        let identity = Placed { shape, object_to_world: Affine3::IDENTITY };
-        assert_same(identity.truth(&ray), truth, &(shape, ray));
-
-        let (placed, moved) = placed(shape, inputs.exact_transform(), ray);
-        assert_same(placed.truth_exact(&moved), truth, &(placed, moved));
-        assert_same(placed.truth(&moved), truth, &(placed, moved));
-        tally.count(&truth, true);
-    }
-    tally.assert_shares(&"placed quadrics", 1.0, 0.3, 0.1);
+    meets_the_untransformed_ray_as_before(42, "placed quadrics", Inputs::quadric);
 }
 
 #[test]

@@ -20,7 +20,7 @@ use self::scatter::{Ground, Variation};
 use super::error::{Error, quoted};
 use super::generator::{DEFAULT_SIZE, Generator, MOST};
 use super::source::{LoadedScene, has_extension, remarks};
-use super::world::can_be_hit;
+use super::world::{can_be_hit, is_singular};
 use super::{Checker, Geometry, Light, Paint, Placement, View, World, load_obj};
 use crate::geom::{Aabb, InvalidTransform, Transform2, Transform3};
 
@@ -327,10 +327,6 @@ fn checked<S: Copy + Into<T>, T: Display>(
         Ok(transform)
     });
     steps.collect()
-}
-
-fn is_singular(transform: Affine3) -> bool {
-    crate::kernels::instance::Instance::new((), transform).is_err()
 }
 
 fn paint(

@@ -4,6 +4,7 @@ use glam::{Affine2, Affine3, Vec2, Vec3};
 
 use super::Mesh;
 use crate::geom::{Aabb, Quadric};
+use crate::kernels::instance::Instance;
 
 /// Something that instances are made of, in its own coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,7 +132,7 @@ impl World {
             if instance.geometry as usize >= geometries.len() {
                 return Err(WorldError::MissingGeometry(number));
             }
-            if crate::kernels::instance::Instance::new((), instance.object_to_world).is_err() {
+            if is_singular(instance.object_to_world) {
                 return Err(WorldError::Singular(number));
             }
             let colors = match instance.paint {
@@ -178,6 +179,11 @@ impl From<Mesh> for World {
         let instance = Placement { geometry: 0, object_to_world: Affine3::IDENTITY, paint: Paint::Own };
         Self { geometries: vec![Geometry::Mesh(mesh)], instances: vec![instance] }
     }
+}
+
+/// Whether rays cannot be taken to the object.
+pub(super) fn is_singular(object_to_world: Affine3) -> bool {
+    Instance::new((), object_to_world).is_err()
 }
 
 /// Whether a geometry is anything that a ray could hit. A mesh always is.
