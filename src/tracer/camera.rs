@@ -54,15 +54,17 @@ impl Camera {
 }
 
 /// The pixels of a picture, as indices `y·width + x` from the upper left, in blocks of 4 × 2, so that eight consecutive
-/// rays see about the same, and those in tiles of 32 × 32.
+/// rays see about the same, those in blocks of 8 × 8, and those in tiles of 32 × 32.
 pub fn block_order(width: u32, height: u32) -> Vec<u32> {
     let mut order = Vec::with_capacity(width as usize * height as usize);
     // At a ragged edge blocks are cut off; the packets there are filled up by the next block.
     for_blocks((0, width), (0, height), (32, 32), &mut |tile_x, tile_y| {
-        for_blocks(tile_x, tile_y, (4, 2), &mut |xs, ys| {
-            for y in ys.0..ys.1 {
-                order.extend((xs.0..xs.1).map(|x| y * width + x));
-            }
+        for_blocks(tile_x, tile_y, (8, 8), &mut |block_x, block_y| {
+            for_blocks(block_x, block_y, (4, 2), &mut |xs, ys| {
+                for y in ys.0..ys.1 {
+                    order.extend((xs.0..xs.1).map(|x| y * width + x));
+                }
+            });
         });
     });
     order

@@ -75,6 +75,6 @@ pub use scene::Scene;
 pub use scenefile::load_scene;
 pub use source::{LoadedScene, SceneSource};
 pub use surface::SurfacePoint;
-pub use trace::{Mode, checksum, thread_pool, trace};
+pub use trace::{Counts, Mode, checksum, count, thread_pool, trace, trace_into};
 pub use view::{Light, View};
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};

