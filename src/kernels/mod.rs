@@ -52,7 +52,7 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
     /// What it intersects.
     type Shape: Shape;
     /// Eight prepared primitives, for one ray against eight of them.
-    type Packet: Intersect<f32x8, Setup = <Self as Intersect<f32x8>>::Setup> + Copy + Send + Sync;
+    type Packet: Intersect<f32x8, Setup = <Self as Intersect<f32x8>>::Setup> + Copy + core::fmt::Debug + Send + Sync;
     /// Name, source, cost and claims.
     const INFO: Info;
 

@@ -43,6 +43,20 @@ impl Span<f32x8> {
         (hit, Self { entry, exit })
     }
 
+    /// One ray, splat, and eight boxes.
+    #[inline(always)]
+    pub(super) fn of_boxes(
+        bounds: &Slabs<f32x8>,
+        origin: Vec3x8,
+        setup: &InverseDirection<f32x8>,
+    ) -> (Mask8, Self) {
+        let (entry, exit) = slab_interval8(bounds, origin, setup);
+        let exit = pad8(exit, setup.t_max);
+        let hit =
+            le8(entry, exit) & lt8(entry, f32x8::splat(f32::INFINITY)) & gt8(exit, f32x8::splat(f32::NEG_INFINITY));
+        (hit, Self { entry, exit })
+    }
+
     /// [`Span::<f32>::clamp`] in eight lanes.
     #[inline(always)]
     pub(super) fn clamp(&self, t: f32x8) -> f32x8 {

@@ -4,16 +4,24 @@ use wide::{f32x8, u32x8};
 
 use super::Mesh;
 use super::box_rule::Span;
+use super::block::{self, Bundle, PACKETS, RAYS};
 use super::bvh::Bvh;
+use super::bvh8::{Bvh8, Costs, Leaf};
+use super::single::{self, SingleRay};
 use super::traverse::{Room, Visit, keep_closer8};
-use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
+use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle, lanes};
 use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Intersect, Kernel};
 
 /// What the kernel `K` needs to trace a mesh. The mesh itself stays where it is, and is handed to every call.
 #[derive(Debug)]
-pub(super) struct MeshTree<K> {
+pub(super) struct MeshTree<K: Kernel> {
     bvh: Bvh,
+    bvh8: Bvh8,
+    /// Eight for each leaf.
+    one: Vec<[K; 8]>,
+    /// The same, gathered.
+    eight: Vec<K::Packet>,
     /// In slot order.
     prepared: Vec<K>,
 }
@@ -26,7 +34,195 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         // Packets test a few triangles faster than the boxes of more nodes.
         let bvh = Bvh::build(mesh.len(), 4, |primitive| mesh.triangle(primitive).bounds());
         let prepared = bvh.item_of_slot.par_iter().map(|&primitive| K::prepare(&mesh.triangle(primitive))).collect();
-        Self { bvh, prepared }
+        let start = std::time::Instant::now();
+        let var = |n: &str, d: f32| std::env::var(n).map_or(d, |v| v.parse().unwrap());
+        let bvh8 = Bvh8::build(mesh.len(), Costs { node: var("CN", 1.0), leaf: var("CL", 1.0), item: var("CI", 0.05) }, |primitive| mesh.triangle(primitive).bounds());
+        let one: Vec<[K; 8]> = bvh8
+            .leaves
+            .par_iter()
+            .map(|leaf| {
+                leaf.items.map(|item| {
+                    let nan = glam::Vec3::NAN;
+                    let none = Triangle { v0: nan, v1: nan, v2: nan };
+                    K::prepare(&if item == Leaf::NONE { none } else { mesh.triangle(item) })
+                })
+            })
+            .collect();
+        let eight = one.par_iter().map(K::gather).collect();
+        if std::env::var("V").is_ok() {
+            eprintln!("bvh8: {} nodes, {} leaves, {:.2} items per leaf, depth {}, {:.3} s", bvh8.nodes.len(), bvh8.leaves.len(), mesh.len() as f32 / bvh8.leaves.len() as f32, bvh8.depth, start.elapsed().as_secs_f64());
+        }
+        Self { bvh, prepared, bvh8, one, eight }
+    }
+
+    pub(super) fn single_closest(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        let mut room = single::EMPTY;
+        for (ray, hit) in rays.iter().zip(hits) {
+            let walk = SingleRay::of(ray, &self.bvh8.bounds);
+            let eight = Ray::splat(ray);
+            let setup = <K as Intersect<f32x8>>::setup(&eight);
+            *hit = self.bvh8.closest_hit1(&walk, Hit::MISS, &mut room, |leaf, best| {
+                let hit = self.eight[leaf].closest_hit(&eight, &setup);
+                if hit.mask.any() {
+                    let closest = self.by_box_rule(hit, leaf, &walk).closest();
+                    if closest.is_closer_than(best) {
+                        *best = Hit { instance: 0, ..closest };
+                    }
+                }
+            });
+            if !hit.mask {
+                *hit = Hit::MISS;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn by_box_rule(&self, hit: Hit<f32x8>, leaf: usize, walk: &SingleRay) -> Hit<f32x8> {
+        let leaf = &self.bvh8.leaves[leaf];
+        let (inside, span) = Span::<f32x8>::of_boxes(&leaf.boxes.slabs(), walk.origin, &walk.slabs);
+        let mask = hit.mask & inside;
+        Hit {
+            mask,
+            t: mask.select(span.clamp(hit.t), f32x8::splat(f32::INFINITY)),
+            u: hit.u,
+            v: hit.v,
+            primitive: u32x8::new(leaf.items),
+            instance: hit.instance,
+        }
+    }
+
+    pub(super) fn single_any(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        let mut room = single::EMPTY;
+        for (ray, hit) in rays.iter().zip(hits) {
+            let walk = SingleRay::of(ray, &self.bvh8.bounds);
+            let eight = Ray::splat(ray);
+            let setup = <K as Intersect<f32x8>>::setup(&eight);
+            let found = self.bvh8.any_hit1(&walk, &mut room, |leaf| {
+                let hit = self.eight[leaf].closest_hit(&eight, &setup);
+                hit.mask.any() && self.by_box_rule(hit, leaf, &walk).mask.any()
+            });
+            *hit = Hit::<f32>::new(found, 0.0, 0.0, 0.0);
+        }
+    }
+
+    pub(super) fn block_closest(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        let mut room = block::EMPTY;
+        let inactive = Ray::splat(&Ray::INACTIVE);
+        let mut packets = [inactive; PACKETS];
+        let mut best = [Hit::<f32x8>::miss(); PACKETS];
+        let mut setups = [Setup::<K, f32x8>::of(&inactive); PACKETS];
+        for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
+            let octant = |ray: &Ray<f32>| ray.dir.to_array().map(f32::is_sign_negative);
+            if !rays.iter().all(|ray| octant(ray) == octant(&rays[0])) {
+                self.single_closest(rays, hits);
+                continue;
+            }
+            let mut bundle = Bundle::of(rays, &mut packets);
+            for packet in 0..PACKETS {
+                setups[packet] = Setup::<K, f32x8>::of(&packets[packet]);
+                best[packet] = Hit::<f32x8>::miss();
+            }
+            self.bvh8.walk_block::<true>(&mut bundle, &mut room, |leaf, mut mask, bundle| {
+                let nodes = &self.bvh8.leaves[leaf];
+                let one = &self.one[leaf];
+                let mut changed = false;
+                while mask != 0 {
+                    let packet = mask.trailing_zeros() as usize & 7;
+                    mask &= mask - 1;
+                    let mut lanes = bundle.boxes_hit_by(packet, &nodes.boxes);
+                    let (ray, setup) = (&packets[packet], &setups[packet]);
+                    let mut found = false;
+                    while lanes != 0 {
+                        let lane = lanes.trailing_zeros() as usize & 7;
+                        lanes &= lanes - 1;
+                        let hit = Intersect::<f32x8>::closest_hit(&one[lane], ray, &setup.kernel);
+                        if hit.mask.any() {
+                            let (inside, span) = Span::<f32x8>::of(&nodes.boxes.lane(lane), ray.origin, &setup.slabs);
+                            let candidate = Hit {
+                                mask: hit.mask & inside,
+                                t: span.clamp(hit.t),
+                                u: hit.u,
+                                v: hit.v,
+                                primitive: u32x8::splat(nodes.items[lane]),
+                                instance: hit.instance,
+                            };
+                            keep_closer8(&mut best[packet], &candidate);
+                            found = true;
+                        }
+                    }
+                    if found {
+                        let limit = lanes::min8(best[packet].t, setup.slabs.t_max).to_array();
+                        bundle.set_limit(packet, limit.into_iter().fold(f32::NEG_INFINITY, lanes::max));
+                        changed = true;
+                    }
+                }
+                if changed {
+                    bundle.update_whole();
+                }
+            });
+            for (hits, best) in hits.chunks_mut(8).zip(&best) {
+                for (hit, lane) in hits.iter_mut().zip(best.lanes()) {
+                    *hit = lane;
+                }
+            }
+        }
+    }
+
+    pub(super) fn block_any(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        let mut room = block::EMPTY;
+        let inactive = Ray::splat(&Ray::INACTIVE);
+        let mut packets = [inactive; PACKETS];
+        let mut setups = [Setup::<K, f32x8>::of(&inactive); PACKETS];
+        for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
+            let octant = |ray: &Ray<f32>| ray.dir.to_array().map(f32::is_sign_negative);
+            if !rays.iter().all(|ray| octant(ray) == octant(&rays[0])) {
+                self.single_any(rays, hits);
+                continue;
+            }
+            let mut bundle = Bundle::of(rays, &mut packets);
+            let mut limits = [f32x8::ZERO; PACKETS];
+            let mut found = [Mask8::none(); PACKETS];
+            for packet in 0..PACKETS {
+                setups[packet] = Setup::<K, f32x8>::of(&packets[packet]);
+                limits[packet] = setups[packet].slabs.t_max;
+            }
+            self.bvh8.walk_block::<false>(&mut bundle, &mut room, |leaf, mut mask, bundle| {
+                let nodes = &self.bvh8.leaves[leaf];
+                let one = &self.one[leaf];
+                let mut changed = false;
+                while mask != 0 {
+                    let packet = mask.trailing_zeros() as usize & 7;
+                    mask &= mask - 1;
+                    let mut lanes = bundle.boxes_hit_by(packet, &nodes.boxes);
+                    let (ray, setup) = (&packets[packet], &setups[packet]);
+                    let mut any = false;
+                    while lanes != 0 {
+                        let lane = lanes.trailing_zeros() as usize & 7;
+                        lanes &= lanes - 1;
+                        let hit = Intersect::<f32x8>::closest_hit(&one[lane], ray, &setup.kernel);
+                        if hit.mask.any() {
+                            let (inside, _) = Span::<f32x8>::of(&nodes.boxes.lane(lane), ray.origin, &setup.slabs);
+                            found[packet] = found[packet] | (hit.mask & inside);
+                            any = true;
+                        }
+                    }
+                    if any {
+                        limits[packet] = found[packet].select(f32x8::splat(f32::NEG_INFINITY), limits[packet]);
+                        bundle.set_limit(packet, limits[packet].to_array().into_iter().fold(f32::NEG_INFINITY, lanes::max));
+                        changed = true;
+                    }
+                }
+                if changed {
+                    bundle.update_whole();
+                }
+            });
+            for (hits, found) in hits.chunks_mut(8).zip(&found) {
+                let bits = found.bits();
+                for (lane, hit) in hits.iter_mut().enumerate() {
+                    *hit = Hit::<f32>::new(bits >> lane & 1 == 1, 0.0, 0.0, 0.0);
+                }
+            }
+        }
     }
 
     /// Bytes of nodes and prepared triangles, without the mesh.
@@ -134,6 +330,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
 }
 
 /// The per-ray data of the tree and of the kernel.
+#[derive(Clone, Copy)]
 struct Setup<K: Intersect<L>, L: Lanes> {
     slabs: InverseDirection<L>,
     kernel: K::Setup,

@@ -39,9 +39,11 @@
 //!   it is has the same hits, bit for bit, as that instance of it, and a scene of nothing else goes without the upper tree.
 //! - *World boxes* contain the exactly transformed object, so that here too the rule only ever removes false hits.
 
+mod block;
 mod box_rule;
 mod builtin;
 mod bvh;
+mod bvh8;
 mod camera;
 mod error;
 mod generator;
@@ -53,6 +55,7 @@ mod picture;
 mod rayfile;
 mod scene;
 mod scenefile;
+mod single;
 mod source;
 mod surface;
 mod trace;

@@ -110,7 +110,7 @@ pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot, hits: &
 }
 
 /// What a picture's rays have hit.
-struct Seen<'a, K> {
+struct Seen<'a, K: Kernel> {
     scene: &'a Scene<K>,
     rays: &'a [Ray<f32>],
     hits: &'a [Hit<f32>],

@@ -26,7 +26,7 @@ use crate::kernels::{Intersect, Kernel};
 ///
 /// Geometry is shared by its instances. An instance takes 328 bytes, with its placement and all that the tree needs.
 #[derive(Debug)]
-pub struct Scene<K> {
+pub struct Scene<K: Kernel> {
     world: World,
     /// For each geometry of the world, where its prepared form is.
     prepared: Vec<Prepared>,
@@ -237,6 +237,16 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         }
     }
 
+    pub(super) fn experiment(&self, rays: &[Ray<f32>], any_hit: bool, block: bool, hits: &mut [Hit<f32>]) {
+        let (tree, _) = self.only_mesh().unwrap();
+        match (any_hit, block) {
+            (false, false) => tree.single_closest(rays, hits),
+            (true, false) => tree.single_any(rays, hits),
+            (false, true) => tree.block_closest(rays, hits),
+            (true, true) => tree.block_any(rays, hits),
+        }
+    }
+
     #[inline(always)]
     pub(super) fn first_primitive(&self, instance: u32) -> u32 {
         self.prepared[self.placed[instance as usize].geometry as usize].first_primitive
@@ -244,7 +254,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
 }
 
 /// What an instance is an instance of.
-enum Object<'a, K> {
+enum Object<'a, K: Kernel> {
     Mesh(&'a MeshTree<K>, &'a Mesh),
     Quadric(&'a dyn AnyQuadric),
 }

@@ -76,9 +76,10 @@ pub fn trace_into<K: Kernel<Shape = Triangle>>(
     hits: &mut [Hit<f32>],
 ) {
     assert_eq!(rays.len(), hits.len(), "a hit for every ray");
-    let mode = if mode == Mode::Auto { Mode::suited_to(rays) } else { mode };
     hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each(|(hits, rays)| match mode {
-        Mode::Scalar | Mode::Single | Mode::Auto => {
+        Mode::Single => scene.experiment(rays, any_hit, false, hits),
+        Mode::Auto => scene.experiment(rays, any_hit, true, hits),
+        Mode::Scalar => {
             for (hit, ray) in hits.iter_mut().zip(rays) {
                 *hit = if any_hit {
                     Hit::<f32>::new(scene.any_hit(ray, &()), 0.0, 0.0, 0.0)

@@ -43,7 +43,7 @@ pub trait TransformMethod:
     RayTransform<f32> + RayTransform<f32x8> + core::fmt::Debug + PartialEq + Send + Sync + 'static
 {
     /// Eight transforms.
-    type Packet: RayTransform<f32x8> + Send + Sync;
+    type Packet: RayTransform<f32x8> + Copy + core::fmt::Debug + Send + Sync;
     /// Name, idea, source, and the operations that come on top of the inner kernel's.
     const INFO: Info;
     /// Where every ray has direction zero, and so misses.
