@@ -86,7 +86,6 @@
 
 // Tests may use all of std, also those of a build without it.
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
-#![forbid(unsafe_code)]
 
 pub mod geom;
 pub mod kernels;

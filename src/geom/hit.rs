@@ -127,6 +127,23 @@ impl Hit<f32x8> {
         };
     }
 
+    /// The first lanes, as many as there is room for.
+    #[inline(always)]
+    pub fn write(&self, hits: &mut [Hit<f32>]) {
+        let (bits, t, u, v) = (self.mask.bits(), self.t.to_array(), self.u.to_array(), self.v.to_array());
+        let (primitive, instance) = (self.primitive.to_array(), self.instance.to_array());
+        for (lane, hit) in hits.iter_mut().enumerate().take(8) {
+            *hit = Hit {
+                mask: bits >> lane & 1 == 1,
+                t: t[lane],
+                u: u[lane],
+                v: v[lane],
+                primitive: primitive[lane],
+                instance: instance[lane],
+            };
+        }
+    }
+
     /// All eight lanes.
     #[inline]
     pub fn lanes(&self) -> [Hit<f32>; 8] {

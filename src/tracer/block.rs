@@ -1,125 +1,166 @@
-//! Walking a tree with a block of rays: up to eight packets of eight.
+//! Walking a tree with a block: up to eight packets of eight rays that start and run alike.
 //!
-//! A block is tested against eight boxes at once, by an interval that contains all its rays. A box that survives is tested
-//! against eight packets at once, each again an interval of rays. Only triangles are tested ray by ray.
+//! The eight boxes of a node are tested against one interval that contains all the rays. A box that survives is tested against
+//! eight intervals at once, one for each packet, and a packet that survives against the boxes of single triangles. Rays
+//! themselves meet nothing but triangles (and, if they do not start at one point, the triangle's box before).
+//!
+//! **Source:** interval arithmetic for packets: S. Boulos, I. Wald, P. Shirley, "Geometric and Arithmetic Culling Methods for
+//! Entire Ray Packets", 2006; one interval against the children of a wide node: the coherent mode of Embree.
+//!
+//! **Why it culls nothing that counts:** with a direction of known sign, the distance to a near plane, `(plane - origin)·inv`, is
+//! monotonic in origin and inverse direction under rounding as long as it is positive. It is least for the origin nearest to
+//! the plane and the inverse direction nearest to zero. Where the plane is behind some origin the product may be
+//! anything, but it is negative or zero, and all intervals of rays start at zero or later. Likewise for far planes. A NaN (`0·∞`)
+//! drops out. So the interval enters no later and leaves no earlier than any of its rays, in the arithmetic of the box rule.
 
+use glam::Vec3;
 use wide::f32x8;
 
-use super::bvh8::{Boxes, Bvh8, Child};
+use super::bvh::{Boxes, Bvh, Child};
+use super::packet::{of_rows, row};
+use super::stack::Stack;
+use super::tally::Tally;
 use crate::geom::Ray;
-use crate::geom::lanes::{Vec3x8, le8, max8, min8};
+use crate::geom::lanes::{self, Mask8, eq8, le8, max8, min8};
 
 /// Packets of a block.
 pub(super) const PACKETS: usize = 8;
 /// Rays of a block.
 pub(super) const RAYS: usize = 8 * PACKETS;
+/// Exits are moved out by 8ε, ε = 2⁻²³: no less than by the padding of the box rule, whichever is rounded first.
+const PAD: f32 = 1.0 + 8.0 * f32::EPSILON;
+/// Rays run alike if along no axis their directions differ by more than this share of the longest component.
+const ALIKE: f32 = 0.15;
+/// Rays that do not start at one point start alike if the box of their origins is no longer than so many mean items: then a
+/// block meets few triangles that most of its packets miss.
+const CLOSE: f32 = 6.0;
 
-/// What contains all rays of some packets, whose directions have the same signs.
-#[derive(Clone, Copy)]
+/// What contains all rays of some packets: from where, and how fast, planes are met first and last.
+#[derive(Clone, Copy, Debug)]
 struct Interval {
     near_origin: [f32; 3],
     near_inv: [f32; 3],
     far_origin: [f32; 3],
     far_inv: [f32; 3],
     t_min: f32,
+    limit: f32,
 }
 
-/// The intervals of a block's packets, and of all together.
-pub(super) struct Bundle {
+/// The packets of a block, and the intervals of each and of all together.
+pub(super) struct Block {
+    pub(super) packets: [Ray<f32x8>; PACKETS],
+    // One lane for each packet.
     near_origin: [f32x8; 3],
     near_inv: [f32x8; 3],
     far_origin: [f32x8; 3],
     far_inv: [f32x8; 3],
     t_min: f32x8,
-    /// For each packet, where the search ends for all its rays: −∞ if it has none.
+    /// Where the search ends for all rays of a packet: −∞ if it has none.
     limit: [f32; PACKETS],
     whole: Interval,
-    whole_limit: f32,
-    side: [usize; 3],
+    /// The octant of all directions.
+    pub(super) octant: usize,
+    /// Whether all rays start at one point. If not, the intervals of packets are wide.
+    pub(super) one_origin: bool,
 }
 
-/// Exits are moved out by so much.
-const PAD: f32 = 1.0 + 8.0 * f32::EPSILON;
-
-fn row(ray: &Ray<f32>) -> f32x8 {
-    let Ray { origin: o, t_min, dir: d, t_max } = *ray;
-    f32x8::new([o.x, o.y, o.z, t_min, d.x, d.y, d.z, t_max])
+#[inline(always)]
+fn reduce(of: fn(f32x8, f32x8) -> f32x8, [a, b, c, d, e, f, g, h]: [f32x8; 8]) -> f32x8 {
+    of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
 }
 
-pub(super) fn packet_of(rows: [f32x8; 8]) -> Ray<f32x8> {
-    let [ox, oy, oz, t_min, dx, dy, dz, t_max] = f32x8::transpose(rows);
-    Ray { origin: Vec3x8 { x: ox, y: oy, z: oz }, dir: Vec3x8 { x: dx, y: dy, z: dz }, t_min, t_max }
+#[inline(always)]
+fn fold(of: fn(f32, f32) -> f32, v: f32x8) -> f32 {
+    let [a, b, c, d, e, f, g, h] = v.to_array();
+    of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
 }
 
-impl Bundle {
-    /// The rays, at least one and at most [`RAYS`], as packets and what bounds them. All have the same signs of directions.
+impl Block {
+    /// The rays, at least one and at most [`RAYS`], if they are alike: all valid, none from behind its origin, all directions
+    /// in one octant and nearly the same, and origins close to each other for items of the given size.
     #[inline(always)]
-    pub(super) fn of(rays: &[Ray<f32>], packets: &mut [Ray<f32x8>; PACKETS]) -> Self {
-        let last = &rays[rays.len() - 1];
-        let filler = row(&Ray { t_min: f32::INFINITY, t_max: f32::NEG_INFINITY, ..*last });
+    pub(super) fn of(rays: &[Ray<f32>], item_size: f32) -> Option<Self> {
+        let last = rays.last()?;
+        let filler = row(&Ray { origin: last.origin, dir: last.dir, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY });
         let (mut least, mut greatest) = ([filler; PACKETS], [filler; PACKETS]);
+        let mut packets = [of_rows([filler; 8]); PACKETS];
+        // Finite numbers and infinite ends of intervals stay numbers, everything else becomes NaN.
+        let finite = f32x8::new([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let mut valid = Mask8::all_lanes();
         for (index, rays) in rays.chunks(8).enumerate() {
             let mut rows = [filler; 8];
             for (row_of, ray) in rows.iter_mut().zip(rays) {
                 *row_of = row(ray);
             }
-            let pairs = |of: fn(f32x8, f32x8) -> f32x8| {
-                let [a, b, c, d, e, f, g, h] = rows;
-                of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
-            };
-            least[index & 7] = pairs(min8);
-            greatest[index & 7] = pairs(max8);
-            packets[index & 7] = packet_of(rows);
+            for row in rows {
+                let number = row * finite;
+                valid = valid & eq8(number, number);
+            }
+            least[index & 7] = reduce(min8, rows);
+            greatest[index & 7] = reduce(max8, rows);
+            packets[index & 7] = of_rows(rows);
         }
+        let (all_least, all_greatest) = (reduce(min8, least), reduce(max8, greatest));
+        let [lx, ly, lz, t_least, ldx, ldy, ldz, _] = all_least.to_array();
+        let [gx, gy, gz, _, gdx, gdy, gdz, _] = all_greatest.to_array();
+        let (lo, hi) = (Vec3::new(lx, ly, lz), Vec3::new(gx, gy, gz));
+        let (dir_lo, dir_hi) = (Vec3::new(ldx, ldy, ldz), Vec3::new(gdx, gdy, gdz));
+        let longest = dir_lo.abs().max(dir_hi.abs()).max_element();
+        let alike = (dir_hi - dir_lo).max_element() <= ALIKE * longest;
+        let one_origin = lo == hi;
+        let close = one_origin || (hi - lo).length() <= CLOSE * item_size;
+        // As a sign of zero may have been lost in a minimum, a zero is no sign at all.
+        let one_octant = [0, 1, 2].into_iter().all(|axis| dir_lo[axis] > 0.0 || dir_hi[axis] < 0.0);
+        if !(alike && close && one_octant && t_least >= 0.0 && valid.all()) {
+            return None;
+        }
+        Some(Self::bounding(packets, least, greatest, one_origin))
+    }
+
+    #[inline(always)]
+    fn bounding(packets: [Ray<f32x8>; PACKETS], least: [f32x8; 8], greatest: [f32x8; 8], one_origin: bool) -> Self {
         let [lx, ly, lz, t_min, ldx, ldy, ldz, _] = f32x8::transpose(least);
         let [gx, gy, gz, _, gdx, gdy, gdz, t_max] = f32x8::transpose(greatest);
-        let (lo, hi) = ([lx, ly, lz], [gx, gy, gz]);
-        let (dir_lo, dir_hi) = ([ldx, ldy, ldz], [gdx, gdy, gdz]);
-        let side = last.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
+        let (lo, hi, dir_lo, dir_hi) = ([lx, ly, lz], [gx, gy, gz], [ldx, ldy, ldz], [gdx, gdy, gdz]);
+        let negative = dir_lo.map(|dir| dir.as_array()[0] < 0.0);
         let one = f32x8::ONE;
-        let at = |axis: usize, positive: f32x8, negative: f32x8| if side[axis] == 0 { positive } else { negative };
+        // What is nearest to the near planes, and slowest in `t`; and the other way round.
         let axes = [0, 1, 2];
-        let near_origin = axes.map(|axis| at(axis, hi[axis], lo[axis]));
-        let far_origin = axes.map(|axis| at(axis, lo[axis], hi[axis]));
-        let near_inv = axes.map(|axis| one / at(axis, dir_hi[axis], dir_lo[axis]));
-        let far_inv = axes.map(|axis| one / at(axis, dir_lo[axis], dir_hi[axis]) * f32x8::splat(PAD));
-        let least_of = |v: f32x8| v.to_array().into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        let greatest_of = |v: f32x8| v.to_array().into_iter().fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a });
-        let whole = Interval {
-            near_origin: axes
-                .map(|axis| if side[axis] == 0 { greatest_of(near_origin[axis]) } else { least_of(near_origin[axis]) }),
-            far_origin: axes
-                .map(|axis| if side[axis] == 0 { least_of(far_origin[axis]) } else { greatest_of(far_origin[axis]) }),
-            near_inv: axes
-                .map(|axis| if side[axis] == 0 { least_of(near_inv[axis]) } else { greatest_of(near_inv[axis]) }),
-            far_inv: axes
-                .map(|axis| if side[axis] == 0 { greatest_of(far_inv[axis]) } else { least_of(far_inv[axis]) }),
-            t_min: least_of(t_min),
+        let near_origin = axes.map(|axis: usize| if negative[axis] { lo[axis] } else { hi[axis] });
+        let far_origin = axes.map(|axis: usize| if negative[axis] { hi[axis] } else { lo[axis] });
+        let near_inv = axes.map(|axis: usize| one / if negative[axis] { dir_lo[axis] } else { dir_hi[axis] });
+        let far_inv =
+            axes.map(|axis: usize| one / if negative[axis] { dir_hi[axis] } else { dir_lo[axis] } * f32x8::splat(PAD));
+        let outermost = |vectors: &[f32x8; 3], greatest: bool| {
+            axes.map(|axis: usize| {
+                fold(if greatest != negative[axis] { lanes::max } else { lanes::min }, vectors[axis])
+            })
         };
         Self {
+            packets,
+            whole: Interval {
+                near_origin: outermost(&near_origin, true),
+                near_inv: outermost(&near_inv, false),
+                far_origin: outermost(&far_origin, false),
+                far_inv: outermost(&far_inv, true),
+                t_min: fold(lanes::min, t_min),
+                limit: fold(lanes::max, t_max),
+            },
             near_origin,
             near_inv,
             far_origin,
             far_inv,
             t_min,
             limit: t_max.to_array(),
-            whole,
-            whole_limit: greatest_of(t_max),
-            side,
+            octant: usize::from(negative[0]) | usize::from(negative[1]) << 1 | usize::from(negative[2]) << 2,
+            one_origin,
         }
     }
 
     /// Sets where the search of a packet ends.
     #[inline(always)]
-    pub(super) fn set_limit(&mut self, packet: usize, limit: f32) {
-        self.limit[packet & 7] = limit;
-    }
-
-    #[inline(always)]
-    pub(super) fn update_whole(&mut self) {
-        let [a, b, c, d, e, f, g, h] = self.limit;
-        let max = |a: f32, b: f32| if a > b { a } else { b };
-        self.whole_limit = max(max(max(a, b), max(c, d)), max(max(e, f), max(g, h)));
+    pub(super) fn set_limit(&mut self, packet: usize, limit: f32x8) {
+        self.limit[packet & 7] = fold(lanes::max, limit);
     }
 
     #[inline(always)]
@@ -131,39 +172,24 @@ impl Bundle {
             far_origin: at(&self.far_origin),
             far_inv: at(&self.far_inv),
             t_min: self.t_min.as_array()[packet & 7],
+            limit: self.limit[packet & 7],
         }
-    }
-
-    /// Where an interval enters eight boxes, and which it hits.
-    #[inline(always)]
-    fn boxes(&self, interval: &Interval, limit: f32, boxes: &Boxes) -> (f32x8, u32) {
-        let (mut entry, mut exit) = (f32x8::splat(interval.t_min), f32x8::splat(limit));
-        for axis in 0..3 {
-            let side = self.side[axis] & 1;
-            let (near, far) = (boxes.planes[axis][side], boxes.planes[axis][side ^ 1]);
-            let near = (near - f32x8::splat(interval.near_origin[axis])) * f32x8::splat(interval.near_inv[axis]);
-            let far = (far - f32x8::splat(interval.far_origin[axis])) * f32x8::splat(interval.far_inv[axis]);
-            entry = max8(near, entry);
-            exit = min8(far, exit);
-        }
-        (entry, le8(entry, exit).bits())
     }
 
     /// Which of eight boxes a packet may hit.
     #[inline(always)]
-    pub(super) fn boxes_hit_by(&self, packet: usize, boxes: &Boxes) -> u32 {
-        self.boxes(&self.interval(packet), self.limit[packet & 7], boxes).1
+    pub(super) fn boxes_hit_by(&self, packet: usize, boxes: &Boxes, side: [usize; 3]) -> u32 {
+        self.interval(packet).boxes(boxes, side).1
     }
 
     /// Which packets may hit one of eight boxes.
     #[inline(always)]
-    pub(super) fn packets_that_hit(&self, boxes: &Boxes, lane: usize) -> u32 {
+    fn packets_that_hit(&self, boxes: &Boxes, slot: usize, side: [usize; 3]) -> u32 {
         let (mut entry, mut exit) = (self.t_min, f32x8::new(self.limit));
         for axis in 0..3 {
-            let side = self.side[axis] & 1;
-            let plane = |side: usize| f32x8::splat(boxes.planes[axis][side].as_array()[lane & 7]);
-            let near = (plane(side) - self.near_origin[axis]) * self.near_inv[axis];
-            let far = (plane(side ^ 1) - self.far_origin[axis]) * self.far_inv[axis];
+            let plane = |planes: f32x8| f32x8::splat(planes.as_array()[slot & 7]);
+            let near = (plane(boxes.near(axis, side)) - self.near_origin[axis]) * self.near_inv[axis];
+            let far = (plane(boxes.far(axis, side)) - self.far_origin[axis]) * self.far_inv[axis];
             entry = max8(near, entry);
             exit = min8(far, exit);
         }
@@ -171,75 +197,92 @@ impl Bundle {
     }
 }
 
-#[derive(Clone, Copy)]
+impl Interval {
+    /// Where it enters eight boxes, and which it hits.
+    #[inline(always)]
+    fn boxes(&self, boxes: &Boxes, side: [usize; 3]) -> (f32x8, u32) {
+        let (mut entry, mut exit) = (f32x8::splat(self.t_min), f32x8::splat(self.limit));
+        for axis in 0..3 {
+            let (near, far) = (boxes.near(axis, side), boxes.far(axis, side));
+            let near = (near - f32x8::splat(self.near_origin[axis])) * f32x8::splat(self.near_inv[axis]);
+            let far = (far - f32x8::splat(self.far_origin[axis])) * f32x8::splat(self.far_inv[axis]);
+            entry = max8(near, entry);
+            exit = min8(far, exit);
+        }
+        (entry, le8(entry, exit).bits())
+    }
+}
+
+/// Where the block enters a box at the earliest, what is in it, and which node's box it is, in which slot.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Visit {
     entry: f32,
     child: Child,
-    /// Node and slot.
-    place: u32,
+    node: u32,
+    slot: u32,
 }
 
-const ROOM: usize = 512;
-pub(super) type Room = [Visit; ROOM];
-pub(super) const EMPTY: Room = [Visit { entry: 0.0, child: Child::NONE, place: 0 }; ROOM];
+const ANYTHING: Visit = Visit { entry: 0.0, child: Child::NONE, node: 0, slot: 0 };
 
-impl Bvh8 {
-    /// Calls `test` with every leaf that a packet may hit, and those packets.
+impl Bvh {
+    /// Calls `test` with every leaf that a packet may hit, and a bit for each such packet. It sets the packets' limits.
     #[inline(always)]
-    pub(super) fn walk_block<const ORDERED: bool>(
+    pub(super) fn walk_block<const ANY: bool, T: Tally>(
         &self,
-        bundle: &mut Bundle,
-        room: &mut Room,
-        mut test: impl FnMut(usize, u32, &mut Bundle),
+        block: &mut Block,
+        stack: &mut Stack<Visit>,
+        tally: &mut T,
+        mut test: impl FnMut(usize, u32, &mut Block, &mut T),
     ) {
-        let mut top = 0;
-        let mut child = self.root;
-        let mut packets = 0xffu32;
+        stack.clear();
+        let side = super::packet::sides(block.octant);
+        let (mut child, mut packets) = (self.root, 0xff_u32);
         loop {
             match child.leaf() {
                 Err(number) => {
+                    tally.node();
                     let node = &self.nodes[number];
-                    let (entry, mut hit) = if packets.count_ones() == 1 {
-                        let packet = packets.trailing_zeros() as usize;
-                        bundle.boxes(&bundle.interval(packet), bundle.limit[packet & 7], &node.boxes)
+                    let interval = if packets.count_ones() == 1 {
+                        block.interval(packets.trailing_zeros() as usize)
                     } else {
-                        bundle.boxes(&bundle.whole, bundle.whole_limit, &node.boxes)
+                        block.whole
                     };
+                    let (entry, mut hit) = interval.boxes(&node.boxes, side);
                     let entry = entry.to_array();
-                    let base = top;
+                    stack.make_room(ANYTHING);
+                    let base = stack.len();
                     while hit != 0 {
                         let slot = hit.trailing_zeros() as usize & 7;
                         hit &= hit - 1;
-                        let visit =
-                            Visit { entry: entry[slot], child: node.children[slot], place: (number * 8 + slot) as u32 };
-                        let mut at = top;
-                        if ORDERED {
-                            while at > base && room[(at - 1) & (ROOM - 1)].entry < visit.entry {
-                                room[at & (ROOM - 1)] = room[(at - 1) & (ROOM - 1)];
-                                at -= 1;
-                            }
+                        let visit = Visit {
+                            entry: entry[slot],
+                            child: node.children[slot],
+                            node: number as u32,
+                            slot: slot as u32,
+                        };
+                        if ANY {
+                            stack.push_if(visit, true);
+                        } else {
+                            stack.insert_above(base, visit, |below, visit| below.entry < visit.entry);
                         }
-                        room[at & (ROOM - 1)] = visit;
-                        top += 1;
                     }
                 }
-                Ok(leaf) => test(leaf, packets, bundle),
-            }
-            loop {
-                if top == 0 {
-                    return;
-                }
-                top -= 1;
-                let visit = room[top & (ROOM - 1)];
-                if visit.entry > bundle.whole_limit {
-                    continue;
-                }
-                packets = bundle.packets_that_hit(&self.nodes[(visit.place >> 3) as usize].boxes, visit.place as usize & 7);
-                if packets != 0 {
-                    child = visit.child;
-                    break;
+                Ok(leaf) => {
+                    tally.leaf();
+                    test(leaf, packets, block, tally);
+                    block.whole.limit = fold(lanes::max, f32x8::new(block.limit));
                 }
             }
+            child = loop {
+                let Some(visit) = stack.pop() else { return };
+                // Beyond the farthest of the best hits nothing can win; what is as near still can, by a lower number.
+                if visit.entry <= block.whole.limit {
+                    packets = block.packets_that_hit(&self.nodes[visit.node as usize].boxes, visit.slot as usize, side);
+                    if packets != 0 {
+                        break visit.child;
+                    }
+                }
+            };
         }
     }
 }

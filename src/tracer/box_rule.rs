@@ -36,20 +36,12 @@ impl Span<f32x8> {
     /// [`Span::<f32>::of`] in eight lanes: in which the ray hits the box, and the span there.
     #[inline(always)]
     pub(super) fn of(bounds: &Slabs<f32>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> (Mask8, Self) {
-        let (entry, exit) = slab_interval8(&bounds.widen(), origin, setup);
-        let exit = pad8(exit, setup.t_max);
-        let hit =
-            le8(entry, exit) & lt8(entry, f32x8::splat(f32::INFINITY)) & gt8(exit, f32x8::splat(f32::NEG_INFINITY));
-        (hit, Self { entry, exit })
+        Self::of_each(&bounds.widen(), origin, setup)
     }
 
-    /// One ray, splat, and eight boxes.
+    /// [`Span::<f32>::of`] with a box for each lane.
     #[inline(always)]
-    pub(super) fn of_boxes(
-        bounds: &Slabs<f32x8>,
-        origin: Vec3x8,
-        setup: &InverseDirection<f32x8>,
-    ) -> (Mask8, Self) {
+    pub(super) fn of_each(bounds: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> (Mask8, Self) {
         let (entry, exit) = slab_interval8(bounds, origin, setup);
         let exit = pad8(exit, setup.t_max);
         let hit =

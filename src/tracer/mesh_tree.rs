@@ -1,29 +1,48 @@
 //! One mesh's prepared triangles and the tree over them, in the mesh's own coordinates.
 
+use glam::Vec3;
 use wide::{f32x8, u32x8};
 
 use super::Mesh;
+use super::block::{self, Block, PACKETS};
 use super::box_rule::Span;
-use super::block::{self, Bundle, PACKETS, RAYS};
-use super::bvh::Bvh;
-use super::bvh8::{Bvh8, Costs, Leaf};
+use super::bvh::{Bvh, Child, Leaf};
+use super::packet::{self, PacketRays, only, sides};
+use super::scalar;
 use super::single::{self, SingleRay};
-use super::traverse::{Room, Visit, keep_closer8};
-use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle, lanes};
-use crate::kernels::aabb::{InverseDirection, Slabs};
+use super::stack::Stack;
+use super::tally::Tally;
+use crate::geom::lanes::{self, eq8, lt8};
+use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
+use crate::kernels::aabb::InverseDirection;
 use crate::kernels::{Intersect, Kernel};
 
-/// What the kernel `K` needs to trace a mesh. The mesh itself stays where it is, and is handed to every call.
+/// What the kernel `K` needs to trace a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTree<K: Kernel> {
     bvh: Bvh,
-    bvh8: Bvh8,
-    /// Eight for each leaf.
-    one: Vec<[K; 8]>,
-    /// The same, gathered.
-    eight: Vec<K::Packet>,
-    /// In slot order.
+    /// For each leaf, where its triangles begin in `prepared`.
+    first: Vec<u32>,
+    /// Leaf by leaf, for one ray or eight against one triangle.
     prepared: Vec<K>,
+    /// For each leaf, for one ray against its triangles. To take them apart for eight rays as well would save the 36 bytes of
+    /// every triangle above, but touch up to nine cache lines instead of one or two.
+    gathered: Vec<K::Packet>,
+}
+
+/// Stacks for every way of walking, to be used again and again.
+#[derive(Debug)]
+pub(super) struct Stacks {
+    pub(super) scalar: Stack<scalar::Visit>,
+    pub(super) single: Stack<single::Visit>,
+    pub(super) packet: Stack<packet::Visit>,
+    pub(super) block: Stack<block::Visit>,
+}
+
+impl Stacks {
+    pub(super) const fn new() -> Self {
+        Self { scalar: Stack::new(), single: Stack::new(), packet: Stack::new(), block: Stack::new() }
+    }
 }
 
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
@@ -31,55 +50,345 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     pub(super) fn new(mesh: &Mesh) -> Self {
         use rayon::prelude::*;
 
-        // Packets test a few triangles faster than the boxes of more nodes.
-        let bvh = Bvh::build(mesh.len(), 4, |primitive| mesh.triangle(primitive).bounds());
-        let prepared = bvh.item_of_slot.par_iter().map(|&primitive| K::prepare(&mesh.triangle(primitive))).collect();
-        let start = std::time::Instant::now();
-        let var = |n: &str, d: f32| std::env::var(n).map_or(d, |v| v.parse().unwrap());
-        let bvh8 = Bvh8::build(mesh.len(), Costs { node: var("CN", 1.0), leaf: var("CL", 1.0), item: var("CI", 0.05) }, |primitive| mesh.triangle(primitive).bounds());
-        let one: Vec<[K; 8]> = bvh8
+        let bvh = Bvh::build(mesh.len(), |primitive| mesh.triangle(primitive).bounds());
+        let mut first = Vec::with_capacity(bvh.leaves.len());
+        let mut next = 0;
+        for leaf in &bvh.leaves {
+            first.push(next);
+            next += leaf.len() as u32;
+        }
+        let items: Vec<u32> = bvh.leaves.iter().flat_map(|leaf| &leaf.items[..leaf.len()]).copied().collect();
+        let prepared: Vec<_> = items.par_iter().map(|&primitive| K::prepare(&mesh.triangle(primitive))).collect();
+        // A triangle of NaN, which every ray misses.
+        let nothing = K::prepare(&Triangle { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN });
+        let gathered = bvh
             .leaves
             .par_iter()
-            .map(|leaf| {
-                leaf.items.map(|item| {
-                    let nan = glam::Vec3::NAN;
-                    let none = Triangle { v0: nan, v1: nan, v2: nan };
-                    K::prepare(&if item == Leaf::NONE { none } else { mesh.triangle(item) })
-                })
+            .zip(&first)
+            .map(|(leaf, &first)| {
+                let mut triangles = [nothing; 8];
+                triangles[..leaf.len()].copy_from_slice(&prepared[first as usize..][..leaf.len()]);
+                K::gather(&triangles)
             })
             .collect();
-        let eight = one.par_iter().map(K::gather).collect();
-        if std::env::var("V").is_ok() {
-            eprintln!("bvh8: {} nodes, {} leaves, {:.2} items per leaf, depth {}, {:.3} s", bvh8.nodes.len(), bvh8.leaves.len(), mesh.len() as f32 / bvh8.leaves.len() as f32, bvh8.depth, start.elapsed().as_secs_f64());
-        }
-        Self { bvh, prepared, bvh8, one, eight }
+        Self { bvh, first, prepared, gathered }
     }
 
-    pub(super) fn single_closest(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
-        let mut room = single::EMPTY;
-        for (ray, hit) in rays.iter().zip(hits) {
-            let walk = SingleRay::of(ray, &self.bvh8.bounds);
-            let eight = Ray::splat(ray);
-            let setup = <K as Intersect<f32x8>>::setup(&eight);
-            *hit = self.bvh8.closest_hit1(&walk, Hit::MISS, &mut room, |leaf, best| {
-                let hit = self.eight[leaf].closest_hit(&eight, &setup);
-                if hit.mask.any() {
-                    let closest = self.by_box_rule(hit, leaf, &walk).closest();
-                    if closest.is_closer_than(best) {
-                        *best = Hit { instance: 0, ..closest };
-                    }
+    /// Bytes of nodes and prepared triangles, without the mesh.
+    pub(super) fn bytes(&self) -> usize {
+        self.bvh.bytes()
+            + size_of_val(&self.first[..])
+            + size_of_val(&self.prepared[..])
+            + size_of_val(&self.gathered[..])
+    }
+
+    /// The prepared triangles of a leaf, with what else is known of it.
+    #[inline(always)]
+    fn leaf(&self, leaf: usize) -> (&Leaf, &[K]) {
+        let content = &self.bvh.leaves[leaf];
+        (content, &self.prepared[self.first[leaf] as usize..][..content.len()])
+    }
+
+    /// The closest hit, if its `t` is at most `farthest`; else that, or a hit beyond `farthest`, or a miss.
+    #[inline(always)]
+    pub(super) fn closest_hit_scalar(
+        &self,
+        ray: &Ray<f32>,
+        farthest: f32,
+        stacks: &mut Stacks,
+        tally: &mut impl Tally,
+    ) -> Hit<f32> {
+        let setup = Setup::<K, f32>::of(ray);
+        let nothing = Hit { t: farthest, ..Hit::MISS };
+        self.bvh.closest_hit_scalar(ray, &setup.slabs, nothing, &mut stacks.scalar, tally, |leaf, best, tally| {
+            for candidate in self.candidates(leaf, ray, &setup, tally) {
+                if candidate.is_closer_than(best) {
+                    *best = candidate;
                 }
-            });
-            if !hit.mask {
-                *hit = Hit::MISS;
             }
+        })
+    }
+
+    /// Whether there is a hit.
+    #[inline(always)]
+    pub(super) fn any_hit_scalar(&self, ray: &Ray<f32>, stacks: &mut Stacks, tally: &mut impl Tally) -> bool {
+        let setup = Setup::<K, f32>::of(ray);
+        self.bvh.any_hit_scalar(ray, &setup.slabs, &mut stacks.scalar, tally, |leaf, tally| {
+            self.candidates(leaf, ray, &setup, tally).next().is_some()
+        })
+    }
+
+    /// The closest hit by trying every triangle, in any order.
+    pub(super) fn closest_hit_brute_force(&self, ray: &Ray<f32>) -> Hit<f32> {
+        let setup = Setup::<K, f32>::of(ray);
+        (0..self.bvh.leaves.len())
+            .flat_map(|leaf| self.candidates(leaf, ray, &setup, &mut ()).collect::<Vec<_>>())
+            .fold(Hit::MISS, |best, candidate| if candidate.is_closer_than(&best) { candidate } else { best })
+    }
+
+    /// The triangles of a leaf, by the box rule.
+    #[inline(always)]
+    fn candidates(
+        &self,
+        leaf: usize,
+        ray: &Ray<f32>,
+        setup: &Setup<K, f32>,
+        tally: &mut impl Tally,
+    ) -> impl Iterator<Item = Hit<f32>> {
+        let (content, triangles) = self.leaf(leaf);
+        triangles.iter().enumerate().filter_map(move |(slot, triangle)| {
+            let hit = triangle.closest_hit(ray, &setup.kernel);
+            tally.test(|| u32::from(hit.mask));
+            if !hit.mask {
+                return None;
+            }
+            let span = Span::<f32>::of(&content.boxes.lane(slot), ray.origin, &setup.slabs)?;
+            Some(Hit { t: span.clamp(hit.t), primitive: content.items[slot], ..hit })
+        })
+    }
+
+    /// [`MeshTree::closest_hit_scalar`] with one ray against eight boxes or triangles at a time.
+    #[inline(always)]
+    pub(super) fn closest_hit_single(
+        &self,
+        ray: &Ray<f32>,
+        farthest: f32,
+        stacks: &mut Stacks,
+        tally: &mut impl Tally,
+    ) -> Hit<f32> {
+        let nothing = Hit { t: farthest, ..Hit::MISS };
+        Alone::new(self, ray).closest_hit(self.bvh.root, nothing, &mut stacks.single, tally)
+    }
+
+    /// [`MeshTree::any_hit_scalar`] with one ray against eight boxes or triangles at a time.
+    #[inline(always)]
+    pub(super) fn any_hit_single(&self, ray: &Ray<f32>, stacks: &mut Stacks, tally: &mut impl Tally) -> bool {
+        Alone::new(self, ray).any_hit(self.bvh.root, &mut stacks.single, tally)
+    }
+
+    /// [`MeshTree::closest_hit_scalar`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn closest_hit_packet(
+        &self,
+        ray: &Ray<f32x8>,
+        farthest: f32x8,
+        stacks: &mut Stacks,
+        tally: &mut impl Tally,
+    ) -> Hit<f32x8> {
+        let mut nothing = Hit::<f32x8>::miss();
+        nothing.t = farthest;
+        self.search::<_, false>(ray, nothing, stacks, tally).best
+    }
+
+    /// [`MeshTree::any_hit_scalar`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn any_hit_packet(&self, ray: &Ray<f32x8>, stacks: &mut Stacks, tally: &mut impl Tally) -> Mask8 {
+        self.search::<_, true>(ray, Hit::<f32x8>::miss(), stacks, tally).found
+    }
+
+    #[inline(always)]
+    fn search<'a, T: Tally, const ANY: bool>(
+        &'a self,
+        ray: &'a Ray<f32x8>,
+        best: Hit<f32x8>,
+        Stacks { single, packet, .. }: &'a mut Stacks,
+        tally: &'a mut T,
+    ) -> Search<'a, K, T, ANY> {
+        let setup = Setup::<K, f32x8>::of(ray);
+        let rays = PacketRays::of(ray, &setup.slabs, &self.bvh.bounds);
+        let limit = lanes::min8(best.t, setup.slabs.t_max);
+        let mut search = Search { tree: self, ray, setup, limit, best, found: Mask8::none(), stack: single, tally };
+        packet::by_octant(&rays, lanes::le8(setup.slabs.t_min, limit), |together| match together {
+            packet::Together::Lanes { octant, lanes } => {
+                self.bvh.walk_packet::<ANY>(&rays, octant, lanes, packet, &mut search);
+            }
+            packet::Together::Lane(lane) => packet::Search::alone(&mut search, self.bvh.root, lane),
+        });
+        search
+    }
+
+    /// The closest hits of at most [`block::RAYS`] rays, if they are alike; else `None`.
+    #[inline(always)]
+    pub(super) fn closest_hit_block<T: Tally>(
+        &self,
+        rays: &[Ray<f32>],
+        hits: &mut [Hit<f32>],
+        stacks: &mut Stacks,
+        tally: &mut T,
+    ) -> Option<()> {
+        let mut block = Block::of(rays, self.bvh.item_size)?;
+        let mut setups = Setups::new(self, &block);
+        let mut best = [Hit::<f32x8>::miss(); PACKETS];
+        let mut any = false;
+        self.bvh.walk_block::<false, T>(&mut block, &mut stacks.block, tally, |leaf, mut packets, block, tally| {
+            while packets != 0 {
+                let packet = packets.trailing_zeros() as usize & 7;
+                packets &= packets - 1;
+                let setup = setups.of(packet, block);
+                let (mut limit, mut closer) = (lanes::min8(best[packet].t, setup.kernel.slabs.t_max), false);
+                self.meet(leaf, packet, block, setup, tally, |candidate| {
+                    keep_closer8(&mut best[packet], candidate);
+                    limit = lanes::min8(best[packet].t, limit);
+                    closer = true;
+                    limit
+                });
+                if closer {
+                    any = true;
+                    block.set_limit(packet, limit);
+                }
+            }
+        });
+        if any {
+            for (hits, best) in hits.chunks_mut(8).zip(&best) {
+                best.write(hits);
+            }
+        } else {
+            hits.fill(Hit::MISS);
+        }
+        Some(())
+    }
+
+    /// Whether there are hits for at most [`block::RAYS`] rays, if they are alike; else `None`.
+    #[inline(always)]
+    pub(super) fn any_hit_block<T: Tally>(
+        &self,
+        rays: &[Ray<f32>],
+        stacks: &mut Stacks,
+        tally: &mut T,
+    ) -> Option<[Mask8; PACKETS]> {
+        let mut block = Block::of(rays, self.bvh.item_size)?;
+        let mut setups = Setups::new(self, &block);
+        let mut found = [Mask8::none(); PACKETS];
+        let nowhere = f32x8::splat(f32::NEG_INFINITY);
+        self.bvh.walk_block::<true, T>(&mut block, &mut stacks.block, tally, |leaf, mut packets, block, tally| {
+            while packets != 0 {
+                let packet = packets.trailing_zeros() as usize & 7;
+                packets &= packets - 1;
+                let setup = setups.of(packet, block);
+                let (mut limit, mut more) = (found[packet].select(nowhere, setup.kernel.slabs.t_max), false);
+                self.meet(leaf, packet, block, setup, tally, |candidate| {
+                    found[packet] = found[packet] | candidate.mask;
+                    limit = candidate.mask.select(nowhere, limit);
+                    more = true;
+                    limit
+                });
+                if more {
+                    block.set_limit(packet, limit);
+                }
+            }
+        });
+        Some(found)
+    }
+
+    /// Tests the triangles of a leaf whose boxes a packet may hit. Calls `keep` with what counts by the box rule, in at least one
+    /// lane; it returns where the search ends now.
+    #[inline(always)]
+    fn meet<T: Tally>(
+        &self,
+        leaf: usize,
+        packet: usize,
+        block: &Block,
+        setup: &PacketSetup<K>,
+        tally: &mut T,
+        mut keep: impl FnMut(&Hit<f32x8>) -> f32x8,
+    ) {
+        let (content, triangles) = self.leaf(leaf);
+        let (ray, side) = (&block.packets[packet], sides(block.octant));
+        let mut slots = block.boxes_hit_by(packet, &content.boxes, side);
+        let mut limit = setup.kernel.slabs.t_max;
+        while slots != 0 {
+            let slot = slots.trailing_zeros() as usize & 7;
+            slots &= slots - 1;
+            // The interval of rays from different points is wide: one of many triangles that it meets is met by a ray.
+            if !block.one_origin && !setup.rays.enter(&content.boxes, slot, side, limit).1.any() {
+                continue;
+            }
+            let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel.kernel);
+            tally.test(|| hit.mask.bits().count_ones());
+            if hit.mask.any() {
+                limit = keep(&by_box_rule(hit, content, slot, ray, &setup.kernel.slabs));
+            }
+        }
+    }
+}
+
+/// A triangle's hits in the lanes in which they count. The others hold anything, not the fixed content of a miss.
+#[inline(always)]
+fn by_box_rule(
+    hit: Hit<f32x8>,
+    leaf: &Leaf,
+    slot: usize,
+    ray: &Ray<f32x8>,
+    setup: &InverseDirection<f32x8>,
+) -> Hit<f32x8> {
+    let (inside, span) = Span::<f32x8>::of(&leaf.boxes.lane(slot), ray.origin, setup);
+    Hit {
+        mask: hit.mask & inside,
+        t: span.clamp(hit.t),
+        u: hit.u,
+        v: hit.v,
+        primitive: u32x8::splat(leaf.items[slot]),
+        instance: hit.instance,
+    }
+}
+
+/// One ray on its way through a tree.
+struct Alone<'a, K: Kernel> {
+    tree: &'a MeshTree<K>,
+    walk: SingleRay,
+    /// Eight times the same.
+    ray: Ray<f32x8>,
+    setup: <K as Intersect<f32x8>>::Setup,
+}
+
+impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
+    #[inline(always)]
+    fn new(tree: &'a MeshTree<K>, ray: &Ray<f32>) -> Self {
+        let eight = Ray::splat(ray);
+        Self {
+            tree,
+            walk: SingleRay::of(ray, &tree.bvh.bounds),
+            ray: eight,
+            setup: <K as Intersect<f32x8>>::setup(&eight),
         }
     }
 
     #[inline(always)]
-    fn by_box_rule(&self, hit: Hit<f32x8>, leaf: usize, walk: &SingleRay) -> Hit<f32x8> {
-        let leaf = &self.bvh8.leaves[leaf];
-        let (inside, span) = Span::<f32x8>::of_boxes(&leaf.boxes.slabs(), walk.origin, &walk.slabs);
+    fn closest_hit(
+        &self,
+        root: Child,
+        best: Hit<f32>,
+        stack: &mut Stack<single::Visit>,
+        tally: &mut impl Tally,
+    ) -> Hit<f32> {
+        self.tree.bvh.closest_hit_single(root, &self.walk, best, stack, tally, |leaf, best, tally| {
+            let candidates = self.candidates(leaf, tally);
+            if candidates.mask.any() {
+                let closest = candidates.closest();
+                if closest.is_closer_than(best) {
+                    *best = closest;
+                }
+            }
+        })
+    }
+
+    #[inline(always)]
+    fn any_hit(&self, root: Child, stack: &mut Stack<single::Visit>, tally: &mut impl Tally) -> bool {
+        self.tree
+            .bvh
+            .any_hit_single(root, &self.walk, stack, tally, |leaf, tally| self.candidates(leaf, tally).mask.any())
+    }
+
+    /// The triangles of a leaf, by the box rule: where they count, and their `t` at infinity where not.
+    #[inline(always)]
+    fn candidates(&self, leaf: usize, tally: &mut impl Tally) -> Hit<f32x8> {
+        let hit = self.tree.gathered[leaf].closest_hit(&self.ray, &self.setup);
+        tally.test(|| 1);
+        if !hit.mask.any() {
+            return hit;
+        }
+        let leaf = &self.tree.bvh.leaves[leaf];
+        let (inside, span) = Span::<f32x8>::of_each(&leaf.boxes.slabs(), self.walk.origin, &self.walk.slabs);
         let mask = hit.mask & inside;
         Hit {
             mask,
@@ -87,246 +396,103 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
             u: hit.u,
             v: hit.v,
             primitive: u32x8::new(leaf.items),
+            // Of a single triangle: zero where it hits.
             instance: hit.instance,
         }
     }
+}
 
-    pub(super) fn single_any(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
-        let mut room = single::EMPTY;
-        for (ray, hit) in rays.iter().zip(hits) {
-            let walk = SingleRay::of(ray, &self.bvh8.bounds);
-            let eight = Ray::splat(ray);
-            let setup = <K as Intersect<f32x8>>::setup(&eight);
-            let found = self.bvh8.any_hit1(&walk, &mut room, |leaf| {
-                let hit = self.eight[leaf].closest_hit(&eight, &setup);
-                hit.mask.any() && self.by_box_rule(hit, leaf, &walk).mask.any()
-            });
-            *hit = Hit::<f32>::new(found, 0.0, 0.0, 0.0);
+/// Eight rays on their way through a tree.
+struct Search<'a, K: Kernel, T, const ANY: bool> {
+    tree: &'a MeshTree<K>,
+    ray: &'a Ray<f32x8>,
+    setup: Setup<K, f32x8>,
+    limit: f32x8,
+    best: Hit<f32x8>,
+    found: Mask8,
+    stack: &'a mut Stack<single::Visit>,
+    tally: &'a mut T,
+}
+
+impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> Search<'_, K, T, ANY> {
+    #[inline(always)]
+    fn keep(&mut self, candidate: &Hit<f32x8>) {
+        if ANY {
+            self.found = self.found | candidate.mask;
+            self.limit = candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), self.limit);
+        } else {
+            keep_closer8(&mut self.best, candidate);
+            self.limit = lanes::min8(self.best.t, self.limit);
         }
     }
+}
 
-    pub(super) fn block_closest(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
-        let mut room = block::EMPTY;
-        let inactive = Ray::splat(&Ray::INACTIVE);
-        let mut packets = [inactive; PACKETS];
-        let mut best = [Hit::<f32x8>::miss(); PACKETS];
-        let mut setups = [Setup::<K, f32x8>::of(&inactive); PACKETS];
-        for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-            let octant = |ray: &Ray<f32>| ray.dir.to_array().map(f32::is_sign_negative);
-            if !rays.iter().all(|ray| octant(ray) == octant(&rays[0])) {
-                self.single_closest(rays, hits);
-                continue;
-            }
-            let mut bundle = Bundle::of(rays, &mut packets);
-            for packet in 0..PACKETS {
-                setups[packet] = Setup::<K, f32x8>::of(&packets[packet]);
-                best[packet] = Hit::<f32x8>::miss();
-            }
-            self.bvh8.walk_block::<true>(&mut bundle, &mut room, |leaf, mut mask, bundle| {
-                let nodes = &self.bvh8.leaves[leaf];
-                let one = &self.one[leaf];
-                let mut changed = false;
-                while mask != 0 {
-                    let packet = mask.trailing_zeros() as usize & 7;
-                    mask &= mask - 1;
-                    let mut lanes = bundle.boxes_hit_by(packet, &nodes.boxes);
-                    let (ray, setup) = (&packets[packet], &setups[packet]);
-                    let mut found = false;
-                    while lanes != 0 {
-                        let lane = lanes.trailing_zeros() as usize & 7;
-                        lanes &= lanes - 1;
-                        let hit = Intersect::<f32x8>::closest_hit(&one[lane], ray, &setup.kernel);
-                        if hit.mask.any() {
-                            let (inside, span) = Span::<f32x8>::of(&nodes.boxes.lane(lane), ray.origin, &setup.slabs);
-                            let candidate = Hit {
-                                mask: hit.mask & inside,
-                                t: span.clamp(hit.t),
-                                u: hit.u,
-                                v: hit.v,
-                                primitive: u32x8::splat(nodes.items[lane]),
-                                instance: hit.instance,
-                            };
-                            keep_closer8(&mut best[packet], &candidate);
-                            found = true;
-                        }
-                    }
-                    if found {
-                        let limit = lanes::min8(best[packet].t, setup.slabs.t_max).to_array();
-                        bundle.set_limit(packet, limit.into_iter().fold(f32::NEG_INFINITY, lanes::max));
-                        changed = true;
-                    }
-                }
-                if changed {
-                    bundle.update_whole();
-                }
-            });
-            for (hits, best) in hits.chunks_mut(8).zip(&best) {
-                for (hit, lane) in hits.iter_mut().zip(best.lanes()) {
-                    *hit = lane;
-                }
+impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for Search<'_, K, T, ANY> {
+    #[inline(always)]
+    fn limit(&self) -> f32x8 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn node(&mut self) {
+        self.tally.node();
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, leaf: usize, _active: Mask8) {
+        self.tally.leaf();
+        let (content, triangles) = self.tree.leaf(leaf);
+        for (slot, triangle) in triangles.iter().enumerate() {
+            let hit = Intersect::<f32x8>::closest_hit(triangle, self.ray, &self.setup.kernel);
+            self.tally.test(|| hit.mask.bits().count_ones());
+            if hit.mask.any() {
+                self.keep(&by_box_rule(hit, content, slot, self.ray, &self.setup.slabs));
             }
         }
     }
 
-    pub(super) fn block_any(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
-        let mut room = block::EMPTY;
-        let inactive = Ray::splat(&Ray::INACTIVE);
-        let mut packets = [inactive; PACKETS];
-        let mut setups = [Setup::<K, f32x8>::of(&inactive); PACKETS];
-        for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-            let octant = |ray: &Ray<f32>| ray.dir.to_array().map(f32::is_sign_negative);
-            if !rays.iter().all(|ray| octant(ray) == octant(&rays[0])) {
-                self.single_any(rays, hits);
-                continue;
+    #[inline(always)]
+    fn alone(&mut self, child: Child, lane: usize) {
+        let alone = Alone::new(self.tree, &self.ray.lane(lane));
+        if ANY {
+            if alone.any_hit(child, self.stack, self.tally) {
+                self.keep(&Hit { mask: only(lane), ..Hit::<f32x8>::miss() });
             }
-            let mut bundle = Bundle::of(rays, &mut packets);
-            let mut limits = [f32x8::ZERO; PACKETS];
-            let mut found = [Mask8::none(); PACKETS];
-            for packet in 0..PACKETS {
-                setups[packet] = Setup::<K, f32x8>::of(&packets[packet]);
-                limits[packet] = setups[packet].slabs.t_max;
-            }
-            self.bvh8.walk_block::<false>(&mut bundle, &mut room, |leaf, mut mask, bundle| {
-                let nodes = &self.bvh8.leaves[leaf];
-                let one = &self.one[leaf];
-                let mut changed = false;
-                while mask != 0 {
-                    let packet = mask.trailing_zeros() as usize & 7;
-                    mask &= mask - 1;
-                    let mut lanes = bundle.boxes_hit_by(packet, &nodes.boxes);
-                    let (ray, setup) = (&packets[packet], &setups[packet]);
-                    let mut any = false;
-                    while lanes != 0 {
-                        let lane = lanes.trailing_zeros() as usize & 7;
-                        lanes &= lanes - 1;
-                        let hit = Intersect::<f32x8>::closest_hit(&one[lane], ray, &setup.kernel);
-                        if hit.mask.any() {
-                            let (inside, _) = Span::<f32x8>::of(&nodes.boxes.lane(lane), ray.origin, &setup.slabs);
-                            found[packet] = found[packet] | (hit.mask & inside);
-                            any = true;
-                        }
-                    }
-                    if any {
-                        limits[packet] = found[packet].select(f32x8::splat(f32::NEG_INFINITY), limits[packet]);
-                        bundle.set_limit(packet, limits[packet].to_array().into_iter().fold(f32::NEG_INFINITY, lanes::max));
-                        changed = true;
-                    }
-                }
-                if changed {
-                    bundle.update_whole();
-                }
-            });
-            for (hits, found) in hits.chunks_mut(8).zip(&found) {
-                let bits = found.bits();
-                for (lane, hit) in hits.iter_mut().enumerate() {
-                    *hit = Hit::<f32>::new(bits >> lane & 1 == 1, 0.0, 0.0, 0.0);
-                }
+        } else {
+            let before = self.best.lane(lane);
+            let hit = alone.closest_hit(child, before, self.stack, self.tally);
+            if hit.primitive != before.primitive {
+                self.keep(&in_lane(lane, &hit));
             }
         }
     }
+}
 
-    /// Bytes of nodes and prepared triangles, without the mesh.
-    pub(super) fn bytes(&self) -> usize {
-        self.bvh.bytes() + size_of_val(&self.prepared[..])
+/// A hit of the ray in one lane.
+#[inline(always)]
+pub(super) fn in_lane(lane: usize, hit: &Hit<f32>) -> Hit<f32x8> {
+    Hit {
+        mask: if hit.mask { only(lane) } else { Mask8::none() },
+        t: f32x8::splat(hit.t),
+        u: f32x8::splat(hit.u),
+        v: f32x8::splat(hit.v),
+        primitive: u32x8::splat(hit.primitive),
+        instance: u32x8::splat(hit.instance),
     }
+}
 
-    /// The closest hit, if its `t` is at most `farthest`; else that, or a hit beyond `farthest`, or a miss. As a call it
-    /// would be a tenth slower for single rays.
-    #[inline(always)]
-    pub(super) fn closest_hit(
-        &self,
-        mesh: &Mesh,
-        ray: &Ray<f32>,
-        farthest: f32,
-        room: &mut Room<Visit<f32>>,
-    ) -> Hit<f32> {
-        let setup = Setup::<K, f32>::of(ray);
-        let nothing = Hit { t: farthest, ..Hit::MISS };
-        self.bvh.closest_hit(ray, &setup.slabs, nothing, room, |slot, best| {
-            if let Some(candidate) = self.candidate(mesh, slot, ray, &setup)
-                && candidate.is_closer_than(best)
-            {
-                *best = candidate;
-            }
-        })
+/// Takes over the lanes in which the candidate comes before the best: [`Hit::is_closer_than`]. Lanes of the candidate that
+/// miss may hold anything.
+#[inline(always)]
+pub(super) fn keep_closer8(best: &mut Hit<f32x8>, candidate: &Hit<f32x8>) {
+    let mut closer = candidate.mask & lt8(candidate.t, best.t);
+    let tied = candidate.mask & eq8(candidate.t, best.t);
+    if tied.any() {
+        closer = closer
+            | (tied
+                & Mask8::from_lanes(std::array::from_fn(|lane| candidate.lane(lane).is_closer_than(&best.lane(lane)))));
     }
-
-    /// Whether there is a hit.
-    pub(super) fn any_hit(&self, mesh: &Mesh, ray: &Ray<f32>) -> bool {
-        let setup = Setup::<K, f32>::of(ray);
-        self.bvh.any_hit(ray, &setup.slabs, |slot| self.candidate(mesh, slot, ray, &setup).is_some())
-    }
-
-    /// [`MeshTree::closest_hit`] in eight lanes.
-    #[inline(always)]
-    pub(super) fn closest_hit8(
-        &self,
-        mesh: &Mesh,
-        ray: &Ray<f32x8>,
-        farthest: f32x8,
-        room: &mut Room<Visit<f32x8>>,
-    ) -> Hit<f32x8> {
-        let setup = Setup::<K, f32x8>::of(ray);
-        let mut nothing = Hit::<f32x8>::miss();
-        nothing.t = farthest;
-        self.bvh.closest_hit8(ray, &setup.slabs, nothing, room, |slot, best| {
-            if let Some(candidate) = self.candidate8(mesh, slot, ray, &setup) {
-                keep_closer8(best, &candidate);
-            }
-        })
-    }
-
-    /// [`MeshTree::any_hit`] in eight lanes.
-    pub(super) fn any_hit8(&self, mesh: &Mesh, ray: &Ray<f32x8>) -> Mask8 {
-        let setup = Setup::<K, f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup.slabs, |slot, _| Some(self.candidate8(mesh, slot, ray, &setup)?.mask))
-    }
-
-    /// The closest hit by trying every triangle, in any order.
-    pub(super) fn closest_hit_brute_force(&self, mesh: &Mesh, ray: &Ray<f32>) -> Hit<f32> {
-        let setup = Setup::<K, f32>::of(ray);
-        (0..self.prepared.len())
-            .filter_map(|slot| self.candidate(mesh, slot, ray, &setup))
-            .fold(Hit::MISS, |best, candidate| if candidate.is_closer_than(&best) { candidate } else { best })
-    }
-
-    /// The triangle in a slot, by the box rule.
-    #[inline(always)]
-    fn candidate(&self, mesh: &Mesh, slot: usize, ray: &Ray<f32>, setup: &Setup<K, f32>) -> Option<Hit<f32>> {
-        let hit = self.prepared[slot].closest_hit(ray, &setup.kernel);
-        if !hit.mask {
-            return None;
-        }
-        let (primitive, bounds) = self.own_box(mesh, slot);
-        let span = Span::<f32>::of(&bounds, ray.origin, &setup.slabs)?;
-        Some(Hit { t: span.clamp(hit.t), primitive, ..hit })
-    }
-
-    /// [`MeshTree::candidate`] in eight lanes. Lanes that miss hold anything, not the fixed content of a miss.
-    #[inline(always)]
-    fn candidate8(&self, mesh: &Mesh, slot: usize, ray: &Ray<f32x8>, setup: &Setup<K, f32x8>) -> Option<Hit<f32x8>> {
-        let hit = Intersect::<f32x8>::closest_hit(&self.prepared[slot], ray, &setup.kernel);
-        if !hit.mask.any() {
-            return None;
-        }
-        let (primitive, bounds) = self.own_box(mesh, slot);
-        let (inside, span) = Span::<f32x8>::of(&bounds, ray.origin, &setup.slabs);
-        Some(Hit {
-            mask: hit.mask & inside,
-            t: span.clamp(hit.t),
-            u: hit.u,
-            v: hit.v,
-            primitive: u32x8::splat(primitive),
-            instance: hit.instance,
-        })
-    }
-
-    /// The primitive in a slot, and the box of its triangle.
-    #[inline(always)]
-    fn own_box(&self, mesh: &Mesh, slot: usize) -> (u32, Slabs<f32>) {
-        let primitive = self.bvh.item_of_slot[slot];
-        (primitive, mesh.triangle(primitive).bounds().into())
-    }
+    best.replace(closer, candidate);
 }
 
 /// The per-ray data of the tree and of the kernel.
@@ -347,5 +513,34 @@ impl<K: Intersect<f32x8>> Setup<K, f32x8> {
     #[inline(always)]
     fn of(ray: &Ray<f32x8>) -> Self {
         Self { slabs: InverseDirection::<f32x8>::of(ray), kernel: K::setup(ray) }
+    }
+}
+
+/// The per-ray data of a packet in a block.
+#[derive(Clone, Copy)]
+struct PacketSetup<K: Intersect<f32x8>> {
+    kernel: Setup<K, f32x8>,
+    rays: PacketRays,
+}
+
+/// That of all packets, each computed when it is first asked for: many blocks meet no triangle.
+struct Setups<'a, K: Kernel> {
+    tree: &'a MeshTree<K>,
+    setups: [Option<PacketSetup<K>>; PACKETS],
+}
+
+impl<'a, K: Kernel<Shape = Triangle>> Setups<'a, K> {
+    #[inline(always)]
+    fn new(tree: &'a MeshTree<K>, _: &Block) -> Self {
+        Self { tree, setups: [const { None }; PACKETS] }
+    }
+
+    #[inline(always)]
+    fn of(&mut self, packet: usize, block: &Block) -> &PacketSetup<K> {
+        self.setups[packet].get_or_insert_with(|| {
+            let ray = &block.packets[packet];
+            let kernel = Setup::<K, f32x8>::of(ray);
+            PacketSetup { kernel, rays: PacketRays::of(ray, &kernel.slabs, &self.tree.bvh.bounds) }
+        })
     }
 }

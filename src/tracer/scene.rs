@@ -1,18 +1,23 @@
 //! The two-level scene: a tree over instances, and below it one tree for each mesh.
 //! [`crate::tracer`] states the box rule for both, and proves that every way of walking them finds the same hits.
 
+use std::cell::RefCell;
 use std::fmt::Debug;
 
 use glam::Affine3;
 use wide::{f32x8, u32x8};
 
+use super::block::PACKETS;
 use super::box_rule::Span;
-use super::bvh::Bvh;
-use super::mesh_tree::MeshTree;
-use super::traverse::{Child, Room, Visit, keep_closer8};
+use super::bvh::{Bvh, Child};
+use super::mesh_tree::{MeshTree, Stacks, in_lane, keep_closer8};
+use super::packet::{self, PacketRays, only};
+use super::single::{self, SingleRay};
+use super::stack::Stack;
+use super::tally::Tally;
 use super::world_box::world_box;
 use super::{Geometry, Mesh, Placement, World};
-use crate::geom::lanes::{gt8, le8};
+use crate::geom::lanes::{self, gt8, le8};
 use crate::geom::{Aabb, Hit, Mask8, Quadric, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
 use crate::kernels::instance::Instance;
@@ -130,8 +135,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             geometry,
         };
         let placed: Vec<_> = world.instances().iter().map(place).collect();
-        // To enter an instance costs more than the boxes of a node.
-        let bvh = Bvh::build(placed.len(), 1, |instance| placed[instance as usize].bounds);
+        let bvh = Bvh::build(placed.len(), |instance| placed[instance as usize].bounds);
         Self { world, prepared, trees, quadrics, placed, bvh }
     }
 
@@ -182,7 +186,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             let Some(span) = Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup) else { continue };
             let ray = placed.ray_to_object(ray);
             let hit = match object {
-                Object::Mesh(tree, mesh) => tree.closest_hit_brute_force(mesh, &ray),
+                Object::Mesh(tree) => tree.closest_hit_brute_force(&ray),
                 Object::Quadric(quadric) => quadric.closest_hit(&ray),
             };
             let hit = self.in_world(hit, number, span);
@@ -199,7 +203,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let placed = &self.placed[number as usize];
         let of_its_kind = self.prepared[placed.geometry as usize].of_its_kind as usize;
         let object = match &self.world.geometries()[placed.geometry as usize] {
-            Geometry::Mesh(mesh) => Object::Mesh(&self.trees[of_its_kind], mesh),
+            Geometry::Mesh(_) => Object::Mesh(&self.trees[of_its_kind]),
             Geometry::Quadric(_) => Object::Quadric(&*self.quadrics[of_its_kind]),
         };
         (placed, object)
@@ -230,20 +234,10 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
 
     /// The one mesh of a world that is nothing else, and as it is: its hits are those of the scene.
     #[inline(always)]
-    fn only_mesh(&self) -> Option<(&MeshTree<K>, &Mesh)> {
+    fn only_mesh(&self) -> Option<&MeshTree<K>> {
         match (self.world.geometries(), &self.placed[..]) {
-            ([Geometry::Mesh(mesh)], [Placed { transform: None, .. }]) => Some((&self.trees[0], mesh)),
+            ([Geometry::Mesh(_)], [Placed { transform: None, .. }]) => Some(&self.trees[0]),
             _ => None,
-        }
-    }
-
-    pub(super) fn experiment(&self, rays: &[Ray<f32>], any_hit: bool, block: bool, hits: &mut [Hit<f32>]) {
-        let (tree, _) = self.only_mesh().unwrap();
-        match (any_hit, block) {
-            (false, false) => tree.single_closest(rays, hits),
-            (true, false) => tree.single_any(rays, hits),
-            (false, true) => tree.block_closest(rays, hits),
-            (true, true) => tree.block_any(rays, hits),
         }
     }
 
@@ -255,8 +249,305 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
 
 /// What an instance is an instance of.
 enum Object<'a, K: Kernel> {
-    Mesh(&'a MeshTree<K>, &'a Mesh),
+    Mesh(&'a MeshTree<K>),
     Quadric(&'a dyn AnyQuadric),
+}
+
+/// Stacks for both levels.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    upper: Stacks,
+    lower: Stacks,
+}
+
+impl Scratch {
+    pub(super) const fn new() -> Self {
+        Self { upper: Stacks::new(), lower: Stacks::new() }
+    }
+}
+
+thread_local! {
+    /// For rays that come one at a time: to allocate stacks for each would cost as much as to visit some nodes.
+    static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch::new()) };
+}
+
+/// Every way of tracing, with stacks that are used again, and something that counts.
+impl<K: Kernel<Shape = Triangle>> Scene<K> {
+    pub(super) fn closest_hit_scalar(&self, ray: &Ray<f32>, scratch: &mut Scratch, tally: &mut impl Tally) -> Hit<f32> {
+        let Scratch { upper, lower } = scratch;
+        if let Some(tree) = self.only_mesh() {
+            return tree.closest_hit_scalar(ray, f32::INFINITY, lower, tally);
+        }
+        let setup = InverseDirection::<f32>::of(ray);
+        self.bvh.closest_hit_scalar(ray, &setup, Hit::MISS, &mut upper.scalar, tally, |leaf, best, tally| {
+            for number in self.bvh.leaves[leaf].numbers() {
+                self.meet(number, ray, &setup, best, |tree, ray, farthest| {
+                    tree.closest_hit_scalar(ray, farthest, lower, tally)
+                });
+            }
+        })
+    }
+
+    pub(super) fn any_hit_scalar(&self, ray: &Ray<f32>, scratch: &mut Scratch, tally: &mut impl Tally) -> bool {
+        let Scratch { upper, lower } = scratch;
+        if let Some(tree) = self.only_mesh() {
+            return tree.any_hit_scalar(ray, lower, tally);
+        }
+        let setup = InverseDirection::<f32>::of(ray);
+        self.bvh.any_hit_scalar(ray, &setup, &mut upper.scalar, tally, |leaf, tally| {
+            self.bvh.leaves[leaf]
+                .numbers()
+                .any(|number| self.meets(number, ray, &setup, |tree, ray| tree.any_hit_scalar(ray, lower, tally)))
+        })
+    }
+
+    pub(super) fn closest_hit_single(&self, ray: &Ray<f32>, scratch: &mut Scratch, tally: &mut impl Tally) -> Hit<f32> {
+        if let Some(tree) = self.only_mesh() {
+            return tree.closest_hit_single(ray, f32::INFINITY, &mut scratch.lower, tally);
+        }
+        let Scratch { upper, lower } = scratch;
+        self.closest_hit_below(self.bvh.root, ray, Hit::MISS, &mut upper.single, lower, tally)
+    }
+
+    /// [`Scene::closest_hit_single`] in part of the upper tree.
+    #[inline(always)]
+    fn closest_hit_below(
+        &self,
+        root: Child,
+        ray: &Ray<f32>,
+        best: Hit<f32>,
+        stack: &mut Stack<single::Visit>,
+        lower: &mut Stacks,
+        tally: &mut impl Tally,
+    ) -> Hit<f32> {
+        let setup = InverseDirection::<f32>::of(ray);
+        let walk = SingleRay::of(ray, &self.bvh.bounds);
+        self.bvh.closest_hit_single(root, &walk, best, stack, tally, |leaf, best, tally| {
+            for number in self.bvh.leaves[leaf].numbers() {
+                self.meet(number, ray, &setup, best, |tree, ray, farthest| {
+                    tree.closest_hit_single(ray, farthest, lower, tally)
+                });
+            }
+        })
+    }
+
+    pub(super) fn any_hit_single(&self, ray: &Ray<f32>, scratch: &mut Scratch, tally: &mut impl Tally) -> bool {
+        if let Some(tree) = self.only_mesh() {
+            return tree.any_hit_single(ray, &mut scratch.lower, tally);
+        }
+        let Scratch { upper, lower } = scratch;
+        self.any_hit_below(self.bvh.root, ray, &mut upper.single, lower, tally)
+    }
+
+    /// [`Scene::any_hit_single`] in part of the upper tree.
+    #[inline(always)]
+    fn any_hit_below(
+        &self,
+        root: Child,
+        ray: &Ray<f32>,
+        stack: &mut Stack<single::Visit>,
+        lower: &mut Stacks,
+        tally: &mut impl Tally,
+    ) -> bool {
+        let setup = InverseDirection::<f32>::of(ray);
+        let walk = SingleRay::of(ray, &self.bvh.bounds);
+        self.bvh.any_hit_single(root, &walk, stack, tally, |leaf, tally| {
+            self.bvh.leaves[leaf]
+                .numbers()
+                .any(|number| self.meets(number, ray, &setup, |tree, ray| tree.any_hit_single(ray, lower, tally)))
+        })
+    }
+
+    pub(super) fn closest_hit_packet(
+        &self,
+        ray: &Ray<f32x8>,
+        scratch: &mut Scratch,
+        tally: &mut impl Tally,
+    ) -> Hit<f32x8> {
+        match self.only_mesh() {
+            Some(tree) => tree.closest_hit_packet(ray, f32x8::splat(f32::INFINITY), &mut scratch.lower, tally),
+            None => self.search::<_, false>(ray, scratch, tally).best,
+        }
+    }
+
+    pub(super) fn any_hit_packet(&self, ray: &Ray<f32x8>, scratch: &mut Scratch, tally: &mut impl Tally) -> Mask8 {
+        match self.only_mesh() {
+            Some(tree) => tree.any_hit_packet(ray, &mut scratch.lower, tally),
+            None => self.search::<_, true>(ray, scratch, tally).found,
+        }
+    }
+
+    fn search<'a, T: Tally, const ANY: bool>(
+        &'a self,
+        ray: &'a Ray<f32x8>,
+        Scratch { upper, lower }: &'a mut Scratch,
+        tally: &'a mut T,
+    ) -> Search<'a, K, T, ANY> {
+        let setup = InverseDirection::<f32x8>::of(ray);
+        let rays = PacketRays::of(ray, &setup, &self.bvh.bounds);
+        let Stacks { single, packet, .. } = upper;
+        let mut search = Search {
+            scene: self,
+            ray,
+            setup,
+            limit: setup.t_max,
+            best: Hit::<f32x8>::miss(),
+            found: Mask8::none(),
+            stack: single,
+            lower,
+            tally,
+        };
+        packet::by_octant(&rays, le8(setup.t_min, setup.t_max), |together| match together {
+            packet::Together::Lanes { octant, lanes } => {
+                self.bvh.walk_packet::<ANY>(&rays, octant, lanes, packet, &mut search);
+            }
+            packet::Together::Lane(lane) => packet::Search::alone(&mut search, self.bvh.root, lane),
+        });
+        search
+    }
+
+    /// [`MeshTree::closest_hit_block`], where the scene is a mesh and nothing else.
+    pub(super) fn closest_hit_block(
+        &self,
+        rays: &[Ray<f32>],
+        hits: &mut [Hit<f32>],
+        scratch: &mut Scratch,
+        tally: &mut impl Tally,
+    ) -> Option<()> {
+        self.only_mesh()?.closest_hit_block(rays, hits, &mut scratch.lower, tally)
+    }
+
+    /// [`MeshTree::any_hit_block`], where the scene is a mesh and nothing else.
+    pub(super) fn any_hit_block(
+        &self,
+        rays: &[Ray<f32>],
+        scratch: &mut Scratch,
+        tally: &mut impl Tally,
+    ) -> Option<[Mask8; PACKETS]> {
+        self.only_mesh()?.any_hit_block(rays, &mut scratch.lower, tally)
+    }
+
+    /// Puts an instance's closest hit in place of a farther one. `closest_hit` gets a tree, the ray as the object sees it, and
+    /// beyond which `t` a hit is of no use.
+    #[inline(always)]
+    fn meet(
+        &self,
+        number: u32,
+        ray: &Ray<f32>,
+        setup: &InverseDirection<f32>,
+        best: &mut Hit<f32>,
+        mut closest_hit: impl FnMut(&MeshTree<K>, &Ray<f32>, f32) -> Hit<f32>,
+    ) {
+        let (placed, object) = self.instance(number);
+        let Some(span) = Span::<f32>::of(&placed.bounds.into(), ray.origin, setup) else { return };
+        if span.entry > best.t {
+            return;
+        }
+        let ray = placed.ray_to_object(ray);
+        let hit = match object {
+            // A hit beyond the box is going to be clamped to its exit.
+            Object::Mesh(tree) => closest_hit(tree, &ray, if span.exit > best.t { best.t } else { f32::INFINITY }),
+            Object::Quadric(quadric) => quadric.closest_hit(&ray),
+        };
+        let hit = self.in_world(hit, number, span);
+        if hit.is_closer_than(best) {
+            *best = hit;
+        }
+    }
+
+    /// Whether an instance is hit. `any_hit` gets a tree and the ray as the object sees it.
+    #[inline(always)]
+    fn meets(
+        &self,
+        number: u32,
+        ray: &Ray<f32>,
+        setup: &InverseDirection<f32>,
+        mut any_hit: impl FnMut(&MeshTree<K>, &Ray<f32>) -> bool,
+    ) -> bool {
+        let (placed, object) = self.instance(number);
+        if Span::<f32>::of(&placed.bounds.into(), ray.origin, setup).is_none() {
+            return false;
+        }
+        let ray = placed.ray_to_object(ray);
+        match object {
+            Object::Mesh(tree) => any_hit(tree, &ray),
+            Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
+        }
+    }
+}
+
+/// Eight rays on their way through the upper tree.
+struct Search<'a, K: Kernel, T, const ANY: bool> {
+    scene: &'a Scene<K>,
+    ray: &'a Ray<f32x8>,
+    setup: InverseDirection<f32x8>,
+    limit: f32x8,
+    best: Hit<f32x8>,
+    found: Mask8,
+    stack: &'a mut Stack<single::Visit>,
+    lower: &'a mut Stacks,
+    tally: &'a mut T,
+}
+
+impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for Search<'_, K, T, ANY> {
+    #[inline(always)]
+    fn limit(&self) -> f32x8 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn node(&mut self) {
+        self.tally.node();
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, leaf: usize, active: Mask8) {
+        self.tally.leaf();
+        for number in self.scene.bvh.leaves[leaf].numbers() {
+            let (placed, object) = self.scene.instance(number);
+            let (inside, span) = Span::<f32x8>::of(&placed.bounds.into(), self.ray.origin, &self.setup);
+            let lanes = active & inside & le8(span.entry, self.limit);
+            if !lanes.any() {
+                continue;
+            }
+            let ray = placed.rays_to_object(self.ray, lanes);
+            if ANY {
+                let hit = match object {
+                    Object::Mesh(tree) => tree.any_hit_packet(&ray, self.lower, self.tally),
+                    Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
+                };
+                self.found = self.found | hit;
+                self.limit = hit.select(f32x8::splat(f32::NEG_INFINITY), self.limit);
+            } else {
+                let hit = match object {
+                    Object::Mesh(tree) => {
+                        // A hit beyond the box is going to be clamped to its exit.
+                        let farthest = gt8(span.exit, self.best.t).select(self.best.t, f32x8::splat(f32::INFINITY));
+                        tree.closest_hit_packet(&ray, farthest, self.lower, self.tally)
+                    }
+                    Object::Quadric(quadric) => quadric.closest_hit8(&ray),
+                };
+                keep_closer8(&mut self.best, &self.scene.in_world8(hit, number, span));
+                self.limit = lanes::min8(self.best.t, self.limit);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn alone(&mut self, child: Child, lane: usize) {
+        let ray = self.ray.lane(lane);
+        if ANY {
+            if self.scene.any_hit_below(child, &ray, self.stack, self.lower, self.tally) {
+                self.found = self.found | only(lane);
+                self.limit = only(lane).select(f32x8::splat(f32::NEG_INFINITY), self.limit);
+            }
+        } else {
+            let before = self.best.lane(lane);
+            let hit = self.scene.closest_hit_below(child, &ray, before, self.stack, self.lower, self.tally);
+            keep_closer8(&mut self.best, &in_lane(lane, &hit));
+            self.limit = lanes::min8(self.best.t, self.limit);
+        }
+    }
 }
 
 impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
@@ -265,51 +556,11 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     fn setup(_: &Ray<f32>) {}
 
     fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let mut room: Room<Visit<f32>> = [(0.0, Child::ROOT); _];
-        if let Some((tree, mesh)) = self.only_mesh() {
-            return tree.closest_hit(mesh, ray, f32::INFINITY, &mut room);
-        }
-        let mut upper = room;
-        let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.closest_hit(ray, &setup, Hit::MISS, &mut upper, |slot, best| {
-            let number = self.bvh.item_of_slot[slot];
-            let (placed, object) = self.instance(number);
-            let Some(span) = Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup) else { return };
-            if span.entry > best.t {
-                return;
-            }
-            let ray = placed.ray_to_object(ray);
-            let hit = match object {
-                Object::Mesh(tree, mesh) => {
-                    // A hit beyond the box is going to be clamped to its exit.
-                    let farthest = if span.exit > best.t { best.t } else { f32::INFINITY };
-                    tree.closest_hit(mesh, &ray, farthest, &mut room)
-                }
-                Object::Quadric(quadric) => quadric.closest_hit(&ray),
-            };
-            let hit = self.in_world(hit, number, span);
-            if hit.is_closer_than(best) {
-                *best = hit;
-            }
-        })
+        SCRATCH.with_borrow_mut(|scratch| self.closest_hit_single(ray, scratch, &mut ()))
     }
 
     fn any_hit(&self, ray: &Ray<f32>, (): &()) -> bool {
-        if let Some((tree, mesh)) = self.only_mesh() {
-            return tree.any_hit(mesh, ray);
-        }
-        let setup = InverseDirection::<f32>::of(ray);
-        self.bvh.any_hit(ray, &setup, |slot| {
-            let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
-            if Span::<f32>::of(&placed.bounds.into(), ray.origin, &setup).is_none() {
-                return false;
-            }
-            let ray = placed.ray_to_object(ray);
-            match object {
-                Object::Mesh(tree, mesh) => tree.any_hit(mesh, &ray),
-                Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
-            }
-        })
+        SCRATCH.with_borrow_mut(|scratch| self.any_hit_single(ray, scratch, &mut ()))
     }
 }
 
@@ -319,51 +570,11 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
     fn setup(_: &Ray<f32x8>) {}
 
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let mut room: Room<Visit<f32x8>> = [(f32x8::ZERO, Child::ROOT); _];
-        if let Some((tree, mesh)) = self.only_mesh() {
-            return tree.closest_hit8(mesh, ray, f32x8::splat(f32::INFINITY), &mut room);
-        }
-        let mut upper = room;
-        let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.closest_hit8(ray, &setup, Hit::<f32x8>::miss(), &mut upper, |slot, best| {
-            let number = self.bvh.item_of_slot[slot];
-            let (placed, object) = self.instance(number);
-            let (inside, span) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
-            let lanes = inside & le8(span.entry, best.t);
-            if !lanes.any() {
-                return;
-            }
-            let ray = placed.rays_to_object(ray, lanes);
-            let hit = match object {
-                Object::Mesh(tree, mesh) => {
-                    // A hit beyond the box is going to be clamped to its exit.
-                    let farthest = gt8(span.exit, best.t).select(best.t, f32x8::splat(f32::INFINITY));
-                    tree.closest_hit8(mesh, &ray, farthest, &mut room)
-                }
-                Object::Quadric(quadric) => quadric.closest_hit8(&ray),
-            };
-            keep_closer8(best, &self.in_world8(hit, number, span));
-        })
+        SCRATCH.with_borrow_mut(|scratch| self.closest_hit_packet(ray, scratch, &mut ()))
     }
 
     fn any_hit(&self, ray: &Ray<f32x8>, (): &()) -> Mask8 {
-        if let Some((tree, mesh)) = self.only_mesh() {
-            return tree.any_hit8(mesh, ray);
-        }
-        let setup = InverseDirection::<f32x8>::of(ray);
-        self.bvh.any_hit8(ray, &setup, |slot, limit| {
-            let (placed, object) = self.instance(self.bvh.item_of_slot[slot]);
-            let (inside, _) = Span::<f32x8>::of(&placed.bounds.into(), ray.origin, &setup);
-            let lanes = inside & gt8(limit, f32x8::splat(f32::NEG_INFINITY));
-            if !lanes.any() {
-                return None;
-            }
-            let ray = placed.rays_to_object(ray, lanes);
-            Some(match object {
-                Object::Mesh(tree, mesh) => tree.any_hit8(mesh, &ray),
-                Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
-            })
-        })
+        SCRATCH.with_borrow_mut(|scratch| self.any_hit_packet(ray, scratch, &mut ()))
     }
 }
 

@@ -1,11 +1,14 @@
 //! Tracing many rays: by single rays or packets, on the threads of the current rayon pool.
 
 use rayon::prelude::*;
-use wide::f32x8;
 
-use super::{Error, Scene};
+use super::block;
+use super::packet::packet;
+use super::scene::Scratch;
+use super::tally::Tally;
+use super::{Counts, Error, Scene};
 use crate::geom::{Hit, Ray, Triangle};
-use crate::kernels::{Intersect, Kernel};
+use crate::kernels::Kernel;
 
 /// How rays are taken. The hits are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,23 +36,12 @@ impl Mode {
             Self::Auto => "auto",
         }
     }
-
-    /// The mode that suits the rays: packets where the rays of most of them run through the same octant of directions.
-    /// Looks at no more than 256 packets, evenly spread.
-    pub fn suited_to(rays: &[Ray<f32>]) -> Self {
-        let octant = |ray: &Ray<f32>| ray.dir.to_array().map(f32::is_sign_negative);
-        let stride = (rays.len() / 8 / 256).max(1);
-        let (mut coherent, mut seen) = (0, 0);
-        for packet in rays.chunks(8).step_by(stride) {
-            seen += 1;
-            coherent += usize::from(packet.iter().all(|ray| octant(ray) == octant(&packet[0])));
-        }
-        if 2 * coherent >= seen { Self::Packet } else { Self::Scalar }
-    }
 }
 
 /// Rays handed to a thread at a time: few enough to balance, many enough that handing out costs nothing.
 const CHUNK: usize = 1024;
+/// Rays that are sorted by the octants of their directions, if they are not alike.
+const GROUP: usize = 256;
 
 /// Traces every ray for its closest hit, or with `any_hit` only for whether there is one; a hit then has `t`, `u`, `v` and
 /// `primitive` zero. Hits are in ray order, and the same for every mode and number of threads.
@@ -76,55 +68,150 @@ pub fn trace_into<K: Kernel<Shape = Triangle>>(
     hits: &mut [Hit<f32>],
 ) {
     assert_eq!(rays.len(), hits.len(), "a hit for every ray");
-    hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each(|(hits, rays)| match mode {
-        Mode::Single => scene.experiment(rays, any_hit, false, hits),
-        Mode::Auto => scene.experiment(rays, any_hit, true, hits),
-        Mode::Scalar => {
-            for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = if any_hit {
-                    Hit::<f32>::new(scene.any_hit(ray, &()), 0.0, 0.0, 0.0)
-                } else {
-                    scene.closest_hit(ray, &())
-                };
-            }
-        }
-        Mode::Packet => {
-            for (hits, rays) in hits.chunks_mut(8).zip(rays.chunks(8)) {
-                let packet = Ray::from_slice(rays);
-                let found = if any_hit {
-                    let zero = f32x8::ZERO;
-                    Hit::<f32x8>::new(scene.any_hit(&packet, &()), zero, zero, zero)
-                } else {
-                    scene.closest_hit(&packet, &())
-                };
-                for (hit, lane) in hits.iter_mut().zip(found.lanes()) {
-                    *hit = lane;
-                }
-            }
-        }
+    hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each_init(Scratch::new, |scratch, (hits, rays)| {
+        trace_chunk(scene, rays, any_hit, mode, hits, scratch, &mut ());
     });
-}
-
-/// What it took to trace rays, all of them together. Where rays are taken together, what is visited is counted once for
-/// all of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Rays.
-    pub rays: u64,
-    /// Nodes visited, each with up to eight boxes, leaves not counted.
-    pub nodes: u64,
-    /// Leaves visited, each with up to eight triangles.
-    pub leaves: u64,
-    /// Eight-wide triangle tests: eight rays against one triangle, or one ray against up to eight.
-    pub tests: u64,
-    /// Lanes of those tests in which a ray that is still looking met a triangle.
-    pub lanes: u64,
 }
 
 /// Traces the rays as [`trace`] does, and counts; one thread.
 pub fn count<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, rays: &[Ray<f32>], any_hit: bool, mode: Mode) -> Counts {
-    let _ = (scene, any_hit, mode);
-    Counts { rays: rays.len() as u64, ..Counts::default() }
+    let mut counts = Counts { rays: rays.len() as u64, ..Counts::default() };
+    let (mut hits, mut scratch) = ([Hit::MISS; CHUNK], Scratch::new());
+    for rays in rays.chunks(CHUNK) {
+        trace_chunk(scene, rays, any_hit, mode, &mut hits[..rays.len()], &mut scratch, &mut counts);
+    }
+    counts
+}
+
+/// Traces at most [`CHUNK`] rays.
+fn trace_chunk<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    rays: &[Ray<f32>],
+    any_hit: bool,
+    mode: Mode,
+    hits: &mut [Hit<f32>],
+    scratch: &mut Scratch,
+    tally: &mut impl Tally,
+) {
+    match mode {
+        Mode::Scalar => {
+            for (hit, ray) in hits.iter_mut().zip(rays) {
+                *hit = if any_hit {
+                    found(scene.any_hit_scalar(ray, scratch, tally))
+                } else {
+                    scene.closest_hit_scalar(ray, scratch, tally)
+                };
+            }
+        }
+        Mode::Single => {
+            for (hit, ray) in hits.iter_mut().zip(rays) {
+                *hit = single(scene, ray, any_hit, scratch, tally);
+            }
+        }
+        Mode::Packet | Mode::Auto => {
+            for (hits, rays) in hits.chunks_mut(GROUP).zip(rays.chunks(GROUP)) {
+                let mut others = Others::default();
+                for (block, rays) in rays.chunks(block::RAYS).enumerate() {
+                    let start = block * block::RAYS;
+                    if !trace_block(scene, rays, any_hit, &mut hits[start..start + rays.len()], scratch, tally) {
+                        others.extend(start, rays);
+                    }
+                }
+                others.trace(scene, rays, any_hit, mode, hits, scratch, tally);
+            }
+        }
+    }
+}
+
+/// What is said of any hit.
+fn found(any: bool) -> Hit<f32> {
+    Hit::<f32>::new(any, 0.0, 0.0, 0.0)
+}
+
+#[inline(always)]
+fn single<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    ray: &Ray<f32>,
+    any_hit: bool,
+    scratch: &mut Scratch,
+    tally: &mut impl Tally,
+) -> Hit<f32> {
+    if any_hit {
+        found(scene.any_hit_single(ray, scratch, tally))
+    } else {
+        scene.closest_hit_single(ray, scratch, tally)
+    }
+}
+
+/// Whether the rays were traced as a block.
+fn trace_block<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    rays: &[Ray<f32>],
+    any_hit: bool,
+    hits: &mut [Hit<f32>],
+    scratch: &mut Scratch,
+    tally: &mut impl Tally,
+) -> bool {
+    if !any_hit {
+        return scene.closest_hit_block(rays, hits, scratch, tally).is_some();
+    }
+    let Some(masks) = scene.any_hit_block(rays, scratch, tally) else { return false };
+    for (hits, mask) in hits.chunks_mut(8).zip(masks) {
+        let bits = mask.bits();
+        for (lane, hit) in hits.iter_mut().enumerate() {
+            *hit = found(bits >> lane & 1 == 1);
+        }
+    }
+    true
+}
+
+/// Of [`GROUP`] rays, the numbers of those that are not in blocks, by the octant of their direction.
+#[derive(Default)]
+struct Others {
+    octants: [Vec<u16>; 8],
+}
+
+impl Others {
+    fn extend(&mut self, start: usize, rays: &[Ray<f32>]) {
+        for (index, ray) in rays.iter().enumerate() {
+            let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
+            self.octants[x | y << 1 | z << 2].push((start + index) as u16);
+        }
+    }
+
+    /// As packets; in [`Mode::Auto`] one by one where they do not start close to each other.
+    fn trace<K: Kernel<Shape = Triangle>>(
+        &self,
+        scene: &Scene<K>,
+        rays: &[Ray<f32>],
+        any_hit: bool,
+        mode: Mode,
+        hits: &mut [Hit<f32>],
+        scratch: &mut Scratch,
+        tally: &mut impl Tally,
+    ) {
+        let _ = mode;
+        for numbers in self.octants.iter().flat_map(|numbers| numbers.chunks(8)) {
+            if let [number] = numbers {
+                let number = usize::from(*number);
+                hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
+                continue;
+            }
+            let ray = packet(numbers.iter().map(|&number| &rays[usize::from(number)]));
+            if any_hit {
+                let bits = scene.any_hit_packet(&ray, scratch, tally).bits();
+                for (lane, &number) in numbers.iter().enumerate() {
+                    hits[usize::from(number)] = found(bits >> lane & 1 == 1);
+                }
+            } else {
+                let mut lanes = [Hit::MISS; 8];
+                scene.closest_hit_packet(&ray, scratch, tally).write(&mut lanes);
+                for (hit, &number) in lanes.iter().zip(numbers) {
+                    hits[usize::from(number)] = *hit;
+                }
+            }
+        }
+    }
 }
 
 /// A pool of so many threads, to run [`trace`] or [`Scene::new`] in; 0 means as many as there are processors.

@@ -97,6 +97,10 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
-        sheared.hit(Inside8::of(weights).closed, weights, ray, setup)
+        let inside = Inside8::of(weights).closed;
+        if !inside.any() {
+            return Hit::<f32x8>::miss();
+        }
+        sheared.hit(inside, weights, ray, setup)
     }
 }
