@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use raylanes::geom::{Hit, Quadric, Ray, Triangle};
@@ -71,14 +72,15 @@ struct SceneArguments {
     /// A scene file (TOML), an OBJ file or a built-in scene.
     scene: String,
     /// Triangle kernel, by ID or name; see `raylanes list`.
-    #[arg(long, value_name = "ID", default_value = "moller_trumbore")]
+    #[arg(long, value_name = "ID", default_value = <study::TracedWith as Kernel>::INFO.id.method)]
     kernel: String,
     /// Quadric kernel, by ID or name.
     #[arg(long, value_name = "ID", default_value = "mixed")]
     quadric_kernel: String,
-    /// How rays are taken; the hits are the same.
-    #[arg(long, value_enum, default_value_t = ModeArgument::Auto)]
-    mode: ModeArgument,
+    /// How rays are taken: one by one with scalar code (the reference), one by one against eight boxes at a time, many
+    /// together, or single or packet as suits the rays. The hits are the same.
+    #[arg(long, default_value = Mode::Auto.name(), value_parser = mode_parser())]
+    mode: Mode,
     /// Threads; 0 for as many as there are processors.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
     threads: u16,
@@ -132,16 +134,6 @@ struct RenderArguments {
     /// the two see something else, and print how many there are.
     #[arg(long, value_name = "ID")]
     compare: Option<String>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ModeArgument {
-    /// One ray at a time.
-    Scalar,
-    /// Eight rays at a time.
-    Packet,
-    /// Packets if most groups of eight rays run through the same octant, else single rays.
-    Auto,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -259,14 +251,6 @@ impl SceneArguments {
         let camera = view.camera(width, height);
         Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
     }
-
-    fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
-        match self.mode {
-            ModeArgument::Scalar => Mode::Scalar,
-            ModeArgument::Packet => Mode::Packet,
-            ModeArgument::Auto => Mode::suited_to(rays),
-        }
-    }
 }
 
 /// What primitives are intersected by: the IDs of one registered kernel for each shape.
@@ -361,8 +345,7 @@ fn trace(arguments: &TraceArguments) -> Result<String, Error> {
     let (width, height) = scene.size;
     let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
     let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
-    let mode = scene.mode_for(&rays);
-    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays, mode });
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays });
     if let Some(file) = &arguments.hits {
         if let Some(order) = picture_order {
             let mut rows = vec![Hit::MISS; hits.len()];
@@ -393,24 +376,25 @@ struct Trace<'a> {
     arguments: &'a TraceArguments,
     loaded: Loaded,
     rays: Vec<Ray<f32>>,
-    mode: Mode,
 }
 
 impl Task<Triangle> for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays, mode } = self;
+        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays } = self;
+        let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
         let start = Instant::now();
         let scene = pool.install(|| kernels.scene::<K>(world));
         let build_seconds = start.elapsed().as_secs_f64();
-        let trace = || pool.install(|| tracer::trace(&scene, &rays, arguments.any_hit, mode));
-        let mut hits = trace(); // not counted: it warms up
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut trace = || pool.install(|| tracer::trace_into(&scene, &rays, any_hit, mode, &mut hits));
+        trace(); // not counted: it warms up
         let mut rates = Vec::new();
         for _ in 0..arguments.repeat {
             let start = Instant::now();
-            hits = trace();
+            trace();
             rates.push(rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
         }
         let result = TraceResult {
@@ -440,11 +424,7 @@ fn render(arguments: &RenderArguments) -> Result<String, Error> {
     let other = arguments.compare.as_deref().map(|id| kernels.with(id, &["triangle", "quadric"])).transpose()?;
     let Loaded { world, camera, light, pool } = scene.load()?;
     let (width, height) = scene.size;
-    let mode = match scene.mode {
-        ModeArgument::Scalar => Mode::Scalar,
-        ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
-    };
-    let shot = Shot { camera, light, mode, width, height };
+    let shot = Shot { camera, light, mode: scene.mode, width, height };
     pool.install(|| {
         let (picture, hits, world) =
             kernels.run(Render { kernels, world, shot: &shot, shade: arguments.shade.into() });
@@ -567,6 +547,12 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
         }
         _ => Err(format!("expected WIDTHxHEIGHT with 1 to {MOST_PIXELS} pixels, such as 1024x768")),
     }
+}
+
+/// Understands the names of modes.
+fn mode_parser() -> impl TypedValueParser<Value = Mode> {
+    let mode = |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
+    PossibleValuesParser::new(Mode::ALL.map(Mode::name)).map(mode)
 }
 
 fn parse_point(text: &str) -> Result<Vec3, String> {
