@@ -81,8 +81,8 @@ fn every_kernel_is_measured_and_charted() {
     assert!(record.speed.iter().all(|row| row.ns_per_test > 0.0 && row.ns_per_test.is_finite()));
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
     assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
-    // Primary and shadow rays, two modes, one and two threads.
-    assert_eq!(record.tracer.len(), 8);
+    // Four sets of rays, four modes, one and two threads.
+    assert_eq!(record.tracer.len(), 32);
 
     let folder = std::env::temp_dir().join(format!("raylanes-study-{}", std::process::id()));
     study::write(&record, &folder).unwrap();

@@ -1,21 +1,15 @@
-//! Throughput of the tracer on pictures: primary rays, and the shadow rays of their hits.
+//! Throughput of the tracer on the rays of pictures.
 
 use std::time::Instant;
 
 use super::Progress;
+use super::ray_sets::{RaySet, ray_sets};
 use super::record::TracerRow;
 use super::stats::{mad, median};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Hit, Triangle};
 use crate::kernels::Kernel;
 use crate::kernels::triangle::MollerTrumbore;
-use crate::tracer::{Error, LoadedScene, Mode, Scene, SceneSource, View, checksum, shadow_rays, thread_pool, trace};
-
-/// A picture's worth of rays.
-struct RaySet {
-    name: &'static str,
-    any_hit: bool,
-    rays: Vec<Ray<f32>>,
-}
+use crate::tracer::{Error, LoadedScene, Mode, Scene, SceneSource, checksum, thread_pool, trace};
 
 /// Times one scene, with every mode and number of threads, interleaved.
 ///
@@ -23,7 +17,7 @@ struct RaySet {
 /// If the scene cannot be loaded, or if two modes or thread counts disagree about a hit.
 pub(crate) fn measure(
     source: &SceneSource,
-    size: u32,
+    (size, seed): (u32, u64),
     samples: usize,
     thread_counts: &[usize],
     progress: &Progress,
@@ -34,7 +28,7 @@ pub(crate) fn measure(
     let scene = Scene::<MollerTrumbore<f32>>::new(world);
     let build_seconds = start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
-    for set in ray_sets(&view, &scene, size) {
+    for set in ray_sets(&scene, &view, size, seed) {
         progress.note(&format!("{}: {} rays", source.name(), set.name));
         rows.extend(time(&scene, &set, samples, thread_counts)?.into_iter().map(|job| TracerRow {
             scene: source.name(),
@@ -62,21 +56,6 @@ struct Job {
     pool: rayon::ThreadPool,
     mrays: Vec<f64>,
     hits: Vec<Hit<f32>>,
-}
-
-fn ray_sets<K: Kernel<Shape = Triangle>>(view: &View, scene: &Scene<K>, size: u32) -> [RaySet; 2] {
-    let rays = view.camera(size, size).rays(size, size);
-    let hits = trace(scene, &rays, false, Mode::Packet);
-    let shadows = shadow_rays(scene, &rays, &hits, view.light);
-    [
-        RaySet { name: "primary", any_hit: false, rays },
-        // Only where there is something to shade.
-        RaySet {
-            name: "shadow",
-            any_hit: true,
-            rays: shadows.into_iter().zip(&hits).filter(|(_, hit)| hit.mask).map(|(ray, _)| ray).collect(),
-        },
-    ]
 }
 
 fn time<K: Kernel<Shape = Triangle>>(

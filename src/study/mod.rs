@@ -10,6 +10,7 @@ mod fixture;
 mod frames;
 mod json;
 mod machine;
+pub mod ray_sets;
 pub mod record;
 mod report;
 pub mod speed;
@@ -128,7 +129,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
     for (index, scene) in options.scenes.iter().enumerate() {
         let share = index as f64 / options.scenes.len() as f64;
         progress.reach(ACCURACY_DONE + (1.0 - ACCURACY_DONE) * share);
-        tracer.extend(frames::measure(scene, size, samples, &thread_counts, &progress)?);
+        tracer.extend(frames::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
     progress.bar.finish_and_clear();
     Ok(Record {

@@ -244,13 +244,13 @@ pub struct TracerRow {
     pub triangles: usize,
     /// Instances of them.
     pub instances: usize,
-    /// `primary` (closest hit) or `shadow` (any hit).
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`: [`ray_sets`](super::ray_sets::ray_sets).
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
     /// Rays that hit.
     pub hits: usize,
-    /// `scalar` or `packet`.
+    /// `scalar`, `single`, `packet` or `auto`.
     pub mode: String,
     /// Kernel ID.
     pub kernel: String,

@@ -67,9 +67,9 @@ pub use error::Error;
 pub use mesh::{Mesh, MeshError, Part};
 pub use obj::{ObjReport, load_obj};
 pub use output::write_atomically;
-#[cfg(feature = "study")]
-pub(crate) use picture::shadow_rays;
 pub use picture::{Differences, OCCLUSION_RAYS, Picture, Shade, Shot, compare, picture_hits, shade};
+#[cfg(feature = "study")]
+pub(crate) use picture::{OCCLUSION_REACH, hemisphere_rays, shadow_rays};
 pub use rayfile::{read_rays, write_hits, write_rays};
 pub use scene::Scene;
 pub use scenefile::load_scene;

@@ -52,7 +52,7 @@ const START: f32 = 1e-4;
 /// Rays for each pixel of an ambient-occlusion picture.
 pub const OCCLUSION_RAYS: u32 = 64;
 /// How far away something occludes, as a share of the scene's diagonal.
-const OCCLUSION_REACH: f32 = 0.1;
+pub(crate) const OCCLUSION_REACH: f32 = 0.1;
 
 /// Colours, row by row from the upper left: linear red, green and blue from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,17 +161,7 @@ impl<K: Kernel<Shape = Triangle>> Seen<'_, K> {
         let mut open = vec![0; self.rays.len()];
         // One ray of every pixel at a time, or a large picture would need gigabytes.
         for sample in 0..OCCLUSION_RAYS {
-            let leaving = |(index, (ray, hit)): (usize, (&Ray<f32>, &Hit<f32>))| {
-                if !hit.mask {
-                    return Ray::INACTIVE;
-                }
-                let SurfacePoint { point, normal, .. } = self.scene.surface(ray, hit);
-                let seen_side = if normal.dot(ray.dir) > 0.0 { -normal } else { normal };
-                // A point of the unit sphere that touches the surface: K. Lambert's cosine law, without a sine.
-                let dir = (seen_side + on_sphere(index as u32, sample)).normalize_or(seen_side) * reach;
-                Ray { origin: point, dir, t_min: START, t_max: 1.0 }
-            };
-            let rays: Vec<_> = self.rays.par_iter().zip(self.hits).enumerate().map(leaving).collect();
+            let rays = hemisphere_rays(self.scene, self.rays, self.hits, sample, reach, 1.0);
             for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
                 *open += u32::from(!occluded.mask);
             }
@@ -208,6 +198,29 @@ pub(crate) fn shadow_rays<K: Kernel<Shape = Triangle>>(
         Ray { origin, dir, t_min: START, t_max }
     };
     rays.iter().zip(hits).map(towards_light).collect()
+}
+
+/// From each hit one ray into the hemisphere on the side that is seen, with the cosine's distribution; an inactive one for a
+/// miss. Directions have this length, and differ between samples.
+pub(crate) fn hemisphere_rays<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    rays: &[Ray<f32>],
+    hits: &[Hit<f32>],
+    sample: u32,
+    length: f32,
+    t_max: f32,
+) -> Vec<Ray<f32>> {
+    let leaving = |(index, (ray, hit)): (usize, (&Ray<f32>, &Hit<f32>))| {
+        if !hit.mask {
+            return Ray::INACTIVE;
+        }
+        let SurfacePoint { point, normal, .. } = scene.surface(ray, hit);
+        let seen_side = if normal.dot(ray.dir) > 0.0 { -normal } else { normal };
+        // A point of the unit sphere that touches the surface: K. Lambert's cosine law, without a sine.
+        let dir = (seen_side + on_sphere(index as u32, sample)).normalize_or(seen_side) * length;
+        Ray { origin: point, dir, t_min: START, t_max }
+    };
+    rays.par_iter().zip(hits).enumerate().map(leaving).collect()
 }
 
 /// Where two kernels disagree about a picture.

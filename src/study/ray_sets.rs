@@ -1,0 +1,100 @@
+//! The rays that a picture needs, in four sets: those from the eye, and three that begin where these hit, from rays that
+//! run alike to rays that have little in common.
+
+use crate::geom::{Ray, Triangle};
+use crate::kernels::Kernel;
+use crate::tracer::{Mode, OCCLUSION_REACH, Scene, View, hemisphere_rays, shadow_rays, trace};
+
+/// Rays that a renderer traces together, in the order of the picture's blocks ([`crate::tracer::block_order`]).
+#[derive(Clone, Debug)]
+pub struct RaySet {
+    /// As used in records: one of [`NAMES`].
+    pub name: &'static str,
+    /// Whether only the existence of a hit is asked for, instead of the closest one.
+    pub any_hit: bool,
+    /// The rays, every one of them active.
+    pub rays: Vec<Ray<f32>>,
+}
+
+/// Names of the sets, in the order of [`ray_sets`].
+pub const NAMES: [&str; 4] = ["primary", "shadow", "bounce", "ambient occlusion"];
+
+/// The rays of a picture of `size` × `size` pixels:
+///
+/// - *primary*: from the eye, one through each pixel; closest hit;
+/// - *shadow*: from each primary hit to the view's light; any hit;
+/// - *bounce*: from each primary hit into the hemisphere on the side that is seen, as a matt surface reflects (Lambert's cosine
+///   law), without end; closest hit;
+/// - *ambient occlusion*: the same with other directions, no longer than a tenth of the scene's diagonal; any hit.
+///
+/// The last two derive from `seed`, and are the same on every machine for the same primary hits.
+pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size: u32, seed: u64) -> [RaySet; 4] {
+    let pixels = view.camera(size, size).rays(size, size);
+    let hits = trace(scene, &pixels, false, Mode::Auto);
+    let diagonal = scene.bounds().extent().length();
+    let sample = (seed ^ (seed >> 32)) as u32;
+    let shadow = shadow_rays(scene, &pixels, &hits, view.light);
+    let bounce = hemisphere_rays(scene, &pixels, &hits, sample, diagonal, f32::INFINITY);
+    let occlusion = hemisphere_rays(scene, &pixels, &hits, sample.wrapping_add(1), diagonal * OCCLUSION_REACH, 1.0);
+    // Only where there is something to shade.
+    let of_hits =
+        |rays: Vec<Ray<f32>>| rays.into_iter().zip(&hits).filter(|(_, hit)| hit.mask).map(|(ray, _)| ray).collect();
+    let [shadow, bounce, occlusion] = [shadow, bounce, occlusion].map(of_hits);
+    let set = |number: usize, any_hit, rays| RaySet { name: NAMES[number], any_hit, rays };
+    [set(0, false, pixels), set(1, true, shadow), set(2, false, bounce), set(3, true, occlusion)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::triangle::Woop;
+    use crate::tracer::{SceneSource, checksum};
+
+    fn sets(seed: u64) -> (Scene<Woop<f32>>, [RaySet; 4]) {
+        let loaded = SceneSource::parse("room:small").unwrap().load().unwrap();
+        let scene = Scene::new(loaded.world);
+        let sets = ray_sets(&scene, &loaded.view, 32, seed);
+        (scene, sets)
+    }
+
+    #[test]
+    fn rays_that_leave_a_surface_do_so_on_the_side_that_is_seen() {
+        let (scene, [primary, shadow, bounce, occlusion]) = sets(7);
+        let hits = trace(&scene, &primary.rays, false, Mode::Scalar);
+        let seen: Vec<_> = primary.rays.iter().zip(&hits).filter(|(_, hit)| hit.mask).collect();
+        assert!(seen.len() > primary.rays.len() / 2, "a closed room");
+        assert_eq!([&shadow, &bounce, &occlusion].map(|set| set.rays.len()), [seen.len(); 3]);
+        let diagonal = scene.bounds().extent().length();
+        let (mut cosines, mut turned) = (0.0, 0);
+        for (index, (ray, hit)) in seen.iter().enumerate() {
+            let surface = scene.surface(ray, hit);
+            let towards_eye = -ray.dir.dot(surface.normal).signum();
+            let (bounce, occlusion) = (&bounce.rays[index], &occlusion.rays[index]);
+            for (ray, length) in [(bounce, diagonal), (occlusion, 0.1 * diagonal)] {
+                assert_eq!(ray.origin, surface.point);
+                let cosine = ray.dir.dot(surface.normal) * towards_eye / length;
+                assert!(cosine > -1e-6, "{cosine}");
+                assert!((ray.dir.length() / length - 1.0).abs() < 1e-5);
+                cosines += cosine;
+            }
+            assert_eq!((bounce.t_max, occlusion.t_max), (f32::INFINITY, 1.0));
+            turned += usize::from(bounce.dir.normalize().dot(occlusion.dir.normalize()) < 0.999);
+        }
+        // The mean cosine of Lambert's law is 2/3, of an even distribution 1/2.
+        let mean = cosines / (2 * seen.len()) as f32;
+        assert!((mean - 2.0 / 3.0).abs() < 0.03, "{mean}");
+        assert!(turned > seen.len() * 9 / 10, "{turned}: bounce and occlusion are different samples");
+    }
+
+    #[test]
+    fn a_seed_fixes_the_rays() {
+        let hits = |seed| {
+            let (scene, sets) = sets(seed);
+            sets.map(|set| checksum(&trace(&scene, &set.rays, false, Mode::Scalar)))
+        };
+        let (first, again, other) = (hits(1), hits(1), hits(2));
+        assert_eq!(first, again);
+        assert_eq!(first[..2], other[..2], "what the eye and the light see is no matter of chance");
+        assert!(first[2] != other[2] && first[3] != other[3]);
+    }
+}
