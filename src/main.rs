@@ -52,6 +52,9 @@ struct StudyArguments {
     /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.
     #[arg(long)]
     quick: bool,
+    /// Measure the cost of a ray up to ten million triangles, instead of one: takes minutes and gigabytes more.
+    #[arg(long)]
+    large: bool,
     /// Where results go.
     #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
     out: PathBuf,
@@ -62,7 +65,7 @@ struct StudyArguments {
 
 impl Default for StudyArguments {
     fn default() -> Self {
-        Self { scenes: Vec::new(), quick: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED }
+        Self { scenes: Vec::new(), quick: false, large: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED }
     }
 }
 
@@ -72,7 +75,7 @@ struct SceneArguments {
     /// A scene file (TOML), an OBJ file or a built-in scene.
     scene: String,
     /// Triangle kernel, by ID or name; see `raylanes list`.
-    #[arg(long, value_name = "ID", default_value = <study::TracedWith as Kernel>::INFO.id.method)]
+    #[arg(long, value_name = "ID", default_value = <study::TracerKernel as Kernel>::INFO.id.method)]
     kernel: String,
     /// Quadric kernel, by ID or name.
     #[arg(long, value_name = "ID", default_value = "mixed")]
@@ -207,7 +210,8 @@ fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     };
     // Cheap errors first: the study takes its time.
     study::make_folder(&arguments.out)?;
-    let record = study::run(&study::Options { scenes, quick: arguments.quick, seed: arguments.seed })?;
+    let record =
+        study::run(&study::Options { scenes, quick: arguments.quick, large: arguments.large, seed: arguments.seed })?;
     study::write(&record, &arguments.out)?;
     let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut text = study::terminal_table(&record, color);
@@ -551,7 +555,8 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
 
 /// Understands the names of modes.
 fn mode_parser() -> impl TypedValueParser<Value = Mode> {
-    let mode = |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
+    let mode =
+        |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
     PossibleValuesParser::new(Mode::ALL.map(Mode::name)).map(mode)
 }
 

@@ -10,7 +10,7 @@ use super::ray_sets::RaySet;
 use super::record::CoherenceRow;
 use super::timing::{Job, time};
 use super::workload::{direction, rng};
-use super::{Progress, TracedWith};
+use super::{Progress, TracerKernel};
 use crate::geom::Ray;
 use crate::kernels::Kernel;
 use crate::tracer::{Camera, Error, LoadedScene, Mode, Scene, SceneSource, count, thread_pool};
@@ -28,23 +28,21 @@ const QUICK_SCENES: [&str; 2] = ["terrain:1e3", "room:small"];
 /// # Errors
 /// If two modes disagree about a hit.
 pub(super) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec<CoherenceRow>, Error> {
-    let (scenes, size, samples) = if quick { (QUICK_SCENES, 64, 3) } else { (SCENES, 256, 7) };
+    let (scenes, size, samples) = if quick { (QUICK_SCENES, 64, 3) } else { (SCENES, 256, 5) };
     let pool = thread_pool(1)?;
     let mut rows = Vec::new();
     for name in scenes {
         progress.note(&format!("{name}: coherence"));
         let LoadedScene { world, view, .. } = SceneSource::parse(name)?.load()?;
-        let scene = Scene::<TracedWith>::new(world);
+        let scene = Scene::<TracerKernel>::new(world);
         let camera = view.camera(size, size);
         let sets = JITTERS.map(|jitter| RaySet {
             name: "turned",
             any_hit: false,
             rays: turned(&camera, size, jitter as f32, seed),
         });
-        let jobs: Vec<Job<TracedWith>> = sets
-            .iter()
-            .flat_map(|set| Mode::ALL.map(|mode| Job { scene: &scene, set, mode, pool: &pool }))
-            .collect();
+        let of_set = |set| Mode::ALL.map(|mode| Job { scene: &scene, set, mode, pool: &pool });
+        let jobs: Vec<_> = sets.iter().flat_map(of_set).collect();
         let timings = time(&jobs, samples)?;
         let jitters = JITTERS.iter().flat_map(|jitter| [jitter; Mode::ALL.len()]);
         rows.extend(jobs.iter().zip(timings).zip(jitters).map(|((job, timing), &jitter)| {
@@ -54,7 +52,7 @@ pub(super) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec
                 scene: name.into(),
                 jitter,
                 mode: job.mode.name().into(),
-                kernel: TracedWith::INFO.id.to_string(),
+                kernel: TracerKernel::INFO.id.to_string(),
                 ray_count: counts.rays,
                 mrays_per_second,
                 mrays_per_second_mad,

@@ -3,6 +3,7 @@
 pub mod accuracy;
 mod chart;
 pub mod claims;
+pub mod coherence;
 mod failures;
 mod figures;
 #[cfg(test)]
@@ -13,9 +14,12 @@ mod machine;
 pub mod ray_sets;
 pub mod record;
 mod report;
+mod scaling;
 pub mod speed;
 mod stats;
 mod table;
+mod timing;
+mod tracing;
 pub mod workload;
 
 use std::ops::Range;
@@ -25,6 +29,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::geom::{Aabb, Placed, Quadric, Triangle};
+use crate::kernels::triangle::Woop;
 use crate::registry;
 use crate::tracer::{Error, SceneSource, write_atomically};
 use accuracy::Kernels;
@@ -35,6 +40,10 @@ pub use machine::build_warning;
 pub use stats::median;
 pub use table::terminal_table;
 
+/// What the tracer is measured with, and traces with where nothing else is asked for: a kernel that leaks is no base for
+/// comparing tracers.
+pub type TracerKernel = Woop<f32>;
+
 /// What to measure, and how much of it.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -42,6 +51,8 @@ pub struct Options {
     pub scenes: Vec<SceneSource>,
     /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.
     pub quick: bool,
+    /// One size more where cost is measured against size, of ten million triangles: takes several gigabytes.
+    pub large: bool,
     /// What all random inputs derive from.
     pub seed: u64,
 }
@@ -88,8 +99,10 @@ impl Progress {
 }
 
 /// Shares of the whole that are done when each part ends.
-const SPEED_DONE: f64 = 0.35;
-const ACCURACY_DONE: f64 = 0.7;
+const SPEED_DONE: f64 = 0.3;
+const ACCURACY_DONE: f64 = 0.6;
+const SCENES_DONE: f64 = 0.8;
+const COHERENCE_DONE: f64 = 0.9;
 
 /// Runs the study.
 ///
@@ -125,12 +138,17 @@ pub fn run(options: &Options) -> Result<Record, Error> {
     accuracy.of::<Placed<Quadric>>(0.92..1.0);
 
     let mut tracer = Vec::new();
-    let (size, samples) = if options.quick { (128, 3) } else { (512, 9) };
+    let (size, samples) = if options.quick { (128, 3) } else { (384, 5) };
     for (index, scene) in options.scenes.iter().enumerate() {
         let share = index as f64 / options.scenes.len() as f64;
-        progress.reach(ACCURACY_DONE + (1.0 - ACCURACY_DONE) * share);
+        progress.reach(ACCURACY_DONE + (SCENES_DONE - ACCURACY_DONE) * share);
         tracer.extend(frames::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
+    progress.reach(SCENES_DONE);
+    let coherence = coherence::measure(options.quick, options.seed, &progress)?;
+    progress.reach(COHERENCE_DONE);
+    let extent = scaling::Extent { quick: options.quick, large: options.large };
+    let scaling = scaling::measure(extent, options.seed, &progress)?;
     progress.bar.finish_and_clear();
     Ok(Record {
         schema: SCHEMA,
@@ -151,6 +169,8 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: accuracy.maps,
         map_cells: accuracy.map_cells,
         tracer,
+        coherence,
+        scaling,
     })
 }
 

@@ -5,16 +5,54 @@ use std::time::Instant;
 
 use rayon::ThreadPool;
 
-use super::ray_sets::RaySet;
+use super::ray_sets::{RaySet, ray_sets};
 use super::stats::{mad, median};
-use crate::geom::{Hit, Triangle};
+use super::{Progress, TracerKernel};
+use crate::geom::Hit;
 use crate::kernels::Kernel;
-use crate::tracer::{Error, Mode, Scene, checksum, trace_into};
+use crate::tracer::{Error, LoadedScene, Mode, Scene, SceneSource, checksum, trace_into};
+
+/// A scene that was built, and the rays of a picture of it.
+#[derive(Debug)]
+pub(super) struct Stage {
+    /// The scene's name.
+    pub(super) name: String,
+    pub(super) scene: Scene<TracerKernel>,
+    /// On all threads.
+    pub(super) build_seconds: f64,
+    pub(super) sets: [RaySet; 4],
+}
+
+impl Stage {
+    /// Builds the scene, and finds the rays of a picture of `size` × `size` pixels.
+    ///
+    /// # Errors
+    /// If the scene cannot be loaded.
+    pub(super) fn set(source: &SceneSource, (size, seed): (u32, u64), progress: &Progress) -> Result<Self, Error> {
+        progress.note(&format!("{}: building", source.name()));
+        let LoadedScene { world, view, .. } = source.load()?;
+        let start = Instant::now();
+        let scene = Scene::new(world);
+        let build_seconds = start.elapsed().as_secs_f64();
+        let sets = ray_sets(&scene, &view, size, seed);
+        Ok(Self { name: source.name(), scene, build_seconds, sets })
+    }
+
+    /// ID of the kernel that triangles are intersected by.
+    pub(super) fn kernel(&self) -> String {
+        TracerKernel::INFO.id.to_string()
+    }
+
+    /// Bytes of geometries, instances, nodes and prepared primitives, each instantiated primitive counted once.
+    pub(super) fn bytes_per_triangle(&self) -> f64 {
+        self.scene.bytes() as f64 / self.scene.primitives() as f64
+    }
+}
 
 /// A set of rays, and how it is traced.
 #[derive(Debug)]
-pub(super) struct Job<'a, K> {
-    pub(super) scene: &'a Scene<K>,
+pub(super) struct Job<'a> {
+    pub(super) scene: &'a Scene<TracerKernel>,
     pub(super) set: &'a RaySet,
     pub(super) mode: Mode,
     pub(super) pool: &'a ThreadPool,
@@ -55,12 +93,12 @@ impl Timing {
 /// # Errors
 /// If a job gives other hits than the first one with the same rays, even in a single run: a timing of wrong results is worth
 /// nothing.
-pub(super) fn time<K: Kernel<Shape = Triangle>>(jobs: &[Job<K>], samples: usize) -> Result<Vec<Timing>, Error> {
+pub(super) fn time(jobs: &[Job], samples: usize) -> Result<Vec<Timing>, Error> {
     let most = jobs.iter().map(|job| job.set.rays.len()).max().unwrap_or(0);
     // What no ray can end with, so that nothing that an earlier run has left passes for a hit of a later one.
     let unset = Hit::<f32>::new(true, f32::NEG_INFINITY, 0.0, 0.0);
     let mut room = vec![unset; most];
-    let mut run = |job: &Job<K>| {
+    let mut run = |job: &Job| {
         let hits = &mut room[..job.set.rays.len()];
         hits.fill(unset);
         let seconds = job.pool.install(|| {
@@ -70,7 +108,7 @@ pub(super) fn time<K: Kernel<Shape = Triangle>>(jobs: &[Job<K>], samples: usize)
         });
         (seconds, checksum(hits), hits.iter().filter(|hit| hit.mask).count())
     };
-    let same = |a: &Job<K>, b: &Job<K>| std::ptr::eq(a.scene, b.scene) && std::ptr::eq(a.set, b.set);
+    let same = |a: &Job, b: &Job| std::ptr::eq(a.scene, b.scene) && std::ptr::eq(a.set, b.set);
     let mut timings: Vec<Timing> = Vec::new();
     for round in 0..=samples {
         for (number, job) in jobs.iter().enumerate() {
@@ -82,12 +120,38 @@ pub(super) fn time<K: Kernel<Shape = Triangle>>(jobs: &[Job<K>], samples: usize)
             }
             let first = jobs.iter().position(|other| same(other, job)).expect("the job itself is there");
             if checksum != timings[first].checksum {
-                let [one, other] = [&jobs[first], job].map(|job| {
-                    format!("mode {} on {} threads", job.mode.name(), job.pool.current_num_threads())
-                });
+                let [one, other] = [&jobs[first], job]
+                    .map(|job| format!("mode {} on {} threads", job.mode.name(), job.pool.current_num_threads()));
                 return Err(Error::Disagreement(format!("{} rays: {one}, and {other}", job.set.name)));
             }
         }
     }
     Ok(timings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracer::thread_pool;
+
+    #[test]
+    fn every_way_of_tracing_is_timed_and_finds_the_same() {
+        let source = SceneSource::parse("sphere:small").unwrap();
+        let stage = Stage::set(&source, (32, 1), &Progress::new()).unwrap();
+        let pools = [1, 2].map(|threads| thread_pool(threads).unwrap());
+        let of_set =
+            |set| Mode::ALL.map(|mode| Job { scene: &stage.scene, set, mode, pool: &pools[mode as usize % 2] });
+        let jobs: Vec<Job> = stage.sets.iter().flat_map(of_set).collect();
+        let timings = time(&jobs, 3).unwrap();
+        for (job, timing) in jobs.iter().zip(&timings) {
+            assert_eq!((timing.rays, timing.seconds.len()), (job.set.rays.len(), 3));
+            let ([rate, _], [ns, _]) = (timing.mrays_per_second(), timing.ns_per_ray());
+            // Of an odd number of samples both medians are of the same one.
+            assert!(rate > 0.0 && (rate * ns / 1e3 - 1.0).abs() < 1e-9, "{rate} {ns}");
+        }
+        let primary = &timings[..Mode::ALL.len()];
+        assert!((1..timings[0].rays).contains(&timings[0].hits), "a sphere fills no picture");
+        assert!(primary.iter().all(|timing| (timing.hits, timing.checksum) == (timings[0].hits, timings[0].checksum)));
+        assert_ne!(timings[0].checksum, timings[Mode::ALL.len()].checksum, "other rays, other hits");
+    }
 }
