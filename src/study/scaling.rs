@@ -58,3 +58,19 @@ pub(super) fn measure(extent: Extent, seed: u64, progress: &Progress) -> Result<
     };
     Ok(places().zip(time(&jobs, samples)?).map(row).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_a_factor_of_ten_apart() {
+        for (quick, large, count) in [(true, false, 2), (true, true, 3), (false, false, 3), (false, true, 4)] {
+            let scenes = Extent { quick, large }.scenes();
+            let exponents =
+                scenes.iter().map(|scene| scene.strip_prefix("terrain:1e").unwrap().parse::<i32>().unwrap());
+            let first = if quick { 3 } else { 4 };
+            assert!(exponents.eq(first..first + count), "{scenes:?}");
+        }
+    }
+}
