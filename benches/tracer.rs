@@ -1,7 +1,8 @@
 //! Whole pictures: built-in scenes × every triangle kernel × mode × one and two threads, closest hit and any hit.
 //!
-//! Modes differ by how they walk the tree, which is the same for all kernels: scalar and auto are run for the watertight default and for
-//! Möller–Trumbore alone, or CI, which runs everything once, would take twice as long to learn nothing.
+//! Modes differ by how they walk the tree, which is the same for all kernels: all four are run for the watertight default
+//! and for Möller–Trumbore, single and packet alone for the others. CI runs everything once, and would take nearly twice as
+//! long to learn nothing.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use raylanes::geom::{Ray, Triangle};

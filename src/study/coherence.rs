@@ -2,9 +2,9 @@
 //!
 //! The rays are those of a picture, which have one origin and run alike, turned at random. With `p` the unit direction
 //! through a pixel and `r` one of the unit sphere, evenly distributed and fixed by the seed, the ray of that pixel with
-//! jitter `j` runs along `(1 - j)·p + j·r`, made of unit length. Origin, order and number of rays are the same for all `j`, and
-//! so is each ray's `r`. A small jitter turns rays by up to about `j` radians (neighbouring pixels of these pictures are 0.003 to
-//! 0.004 apart); at 1 rays have nothing in common but the origin.
+//! jitter `j` runs along `(1 - j)·p + j·r`, made of unit length. Origin, order and number of rays are the same for all
+//! `j`, and so is each ray's `r`. A small jitter turns rays by up to about `j` radians (neighbouring pixels of these
+//! pictures are 0.003 to 0.004 apart); at 1 rays have nothing in common but the origin.
 
 use super::ray_sets::RaySet;
 use super::record::CoherenceRow;

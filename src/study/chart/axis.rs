@@ -70,10 +70,7 @@ impl LogAxis {
 
     /// Where between the ends an axis [through](Self::through) severities jumps to zero.
     pub(super) fn gap(&self) -> Option<f64> {
-        let beside = match self.ticks[..] {
-            [.., beside, 0.0] | [0.0, beside, ..] => beside,
-            _ => return None,
-        };
+        let ([.., beside, 0.0] | [0.0, beside, ..]) = self.ticks[..] else { return None };
         Some((self.position(beside) + self.position(0.0)) / 2.0)
     }
 
