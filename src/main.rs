@@ -86,10 +86,10 @@ struct SceneArguments {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = parse_size)]
     size: (u32, u32),
     /// Camera position [default: the scene's own, or outside with all of it in view].
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_at", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "look_at", allow_hyphen_values = true)]
     eye: Option<Vec3>,
     /// Point in the middle of the picture.
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "eye", allow_hyphen_values = true)]
     look_at: Option<Vec3>,
     /// Vertical field of view in degrees, for a camera given by --eye.
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_field_of_view)]
@@ -566,15 +566,6 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
             Ok((width, height))
         }
         _ => Err(format!("expected WIDTHxHEIGHT with 1 to {MOST_PIXELS} pixels, such as 1024x768")),
-    }
-}
-
-fn parse_point(text: &str) -> Result<Vec3, String> {
-    let numbers: Vec<f32> =
-        text.split(',').filter_map(|number| number.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
-    match numbers[..] {
-        [x, y, z] if text.split(',').count() == 3 => Ok(Vec3::new(x, y, z)),
-        _ => Err("expected three numbers, such as 1,2.5,-3".into()),
     }
 }
 

@@ -10,6 +10,7 @@ mod fixture;
 mod frames;
 mod json;
 mod machine;
+pub mod peers;
 pub mod ray_sets;
 pub mod record;
 mod report;
@@ -131,6 +132,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         progress.reach(ACCURACY_DONE + (1.0 - ACCURACY_DONE) * share);
         tracer.extend(frames::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
+    let peers = Vec::new();
     progress.bar.finish_and_clear();
     Ok(Record {
         schema: SCHEMA,
@@ -151,6 +153,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: accuracy.maps,
         map_cells: accuracy.map_cells,
         tracer,
+        peers,
     })
 }
 
