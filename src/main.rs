@@ -57,11 +57,14 @@ struct StudyArguments {
     /// What all random inputs derive from.
     #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
+    /// Trace the scenes of one mesh with obvhs, bvh and parry3d too; needs a build with the feature "peers".
+    #[arg(long)]
+    peers: bool,
 }
 
 impl Default for StudyArguments {
     fn default() -> Self {
-        Self { scenes: Vec::new(), quick: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED }
+        Self { scenes: Vec::new(), quick: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED, peers: false }
     }
 }
 
@@ -208,14 +211,18 @@ fn note(text: &str) {
 
 fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     warn_of_slow_build();
+    // Cheap errors first: the study takes its time.
+    if arguments.peers {
+        study::peers::available()?;
+    }
     let scenes = if arguments.scenes.is_empty() {
         study::Options::default_scenes(arguments.quick)
     } else {
         arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
     };
-    // Cheap errors first: the study takes its time.
     study::make_folder(&arguments.out)?;
-    let record = study::run(&study::Options { scenes, quick: arguments.quick, seed: arguments.seed })?;
+    let record =
+        study::run(&study::Options { scenes, quick: arguments.quick, seed: arguments.seed, peers: arguments.peers })?;
     study::write(&record, &arguments.out)?;
     let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut text = study::terminal_table(&record, color);

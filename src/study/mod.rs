@@ -45,6 +45,8 @@ pub struct Options {
     pub quick: bool,
     /// What all random inputs derive from.
     pub seed: u64,
+    /// Whether to trace the scenes with the peers too; needs the feature of that name.
+    pub peers: bool,
 }
 
 impl Options {
@@ -132,7 +134,11 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         progress.reach(ACCURACY_DONE + (1.0 - ACCURACY_DONE) * share);
         tracer.extend(frames::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
-    let peers = Vec::new();
+    let mut peer_rows = Vec::new();
+    for scene in options.scenes.iter().filter(|_| options.peers) {
+        progress.note(&format!("{}: peers", scene.name()));
+        peer_rows.extend(peers::compare(scene, size, options.seed, samples)?);
+    }
     progress.bar.finish_and_clear();
     Ok(Record {
         schema: SCHEMA,
@@ -140,7 +146,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         seconds: clock.elapsed().as_secs_f64(),
         quick: options.quick,
         seed: options.seed,
-        machine: machine::describe(),
+        machine: if options.peers { peers::machine() } else { machine::describe() },
         kernels: speed.kernels,
         absent: registry::absent()
             .iter()
@@ -153,7 +159,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: accuracy.maps,
         map_cells: accuracy.map_cells,
         tracer,
-        peers,
+        peers: peer_rows,
     })
 }
 

@@ -2,7 +2,8 @@
 //!
 //! - `speed_accuracy`: every kernel's speed against its error of `t` and against the rays it loses;
 //! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
-//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image.
+//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image;
+//! - `peers`: rays per second of this crate's tracer and others.
 //!
 //! plotters maps values to pixels, draws the axes and writes the SVG. What must not overlap is placed here, in pixels,
 //! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
@@ -11,6 +12,7 @@ mod axis;
 mod failure_map;
 mod look;
 mod panel;
+mod peers;
 mod speed_accuracy;
 mod stability;
 
@@ -67,9 +69,14 @@ pub(super) fn charts(record: &Record) -> Vec<Chart> {
             charts.push(Chart { file: failure_map_file(group), svg: failure_map::svg(record, group, &maps) });
         }
     }
+    if !record.peers.is_empty() {
+        charts.push(Chart { file: PEERS.into(), svg: peers::svg(record) });
+    }
     charts
 }
 
+/// File of the chart of raylanes and its peers.
+pub(super) const PEERS: &str = "peers.svg";
 /// File of the chart of all kernels that are no instances.
 pub(super) const SPEED_ACCURACY: &str = "speed-accuracy.svg";
 /// File of the same chart of the instances.
@@ -187,9 +194,12 @@ mod tests {
         let charts = charts(&record);
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
         let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
-        assert_eq!(charts.len(), 2 + record.regimes.len() + with_maps.len());
+        assert_eq!(charts.len(), 3 + record.regimes.len() + with_maps.len());
         for chart in &charts {
             sound(chart);
+            if chart.file == PEERS {
+                continue;
+            }
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
             let shown: Vec<_> = match chart.file.as_str() {
                 SPEED_ACCURACY => groups.iter().filter(|group| group.is_base()).collect(),

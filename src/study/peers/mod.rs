@@ -15,12 +15,18 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use super::ray_sets::RaySet;
+#[cfg(feature = "peers")]
+use super::ray_sets::ray_sets;
 use super::record::{Machine, PeerRow, PeersRecord};
 use super::stats::{mad, median};
 use super::{json, machine, make_folder};
 use crate::geom::{Hit, Ray, Triangle};
+#[cfg(feature = "peers")]
+use crate::kernels::triangle::Woop;
 use crate::kernels::{Claim, Kernel};
-use crate::tracer::{Error, Geometry, Mesh, Mode, Scene, World, checksum, trace_into, write_atomically};
+use crate::tracer::{Error, Geometry, Mesh, Mode, Scene, SceneSource, World, checksum, trace_into, write_atomically};
+#[cfg(feature = "peers")]
+use crate::tracer::{LoadedScene, thread_pool};
 #[cfg(feature = "peers")]
 pub use crates::rust_peers;
 pub use disagreements::Disagreements;
@@ -82,6 +88,20 @@ pub const EMBREE: &str = "Embree";
 
 fn is_ours(row: &PeerRow, mode: Mode) -> bool {
     row.tracer == OURS && row.configuration == mode.name()
+}
+
+/// The fastest configuration of every tracer with one thread, among rows of one scene and one set of rays; ours is the automatic
+/// mode.
+pub(super) fn fastest(set: &[PeerRow]) -> Vec<&PeerRow> {
+    let mut fastest: Vec<&PeerRow> = Vec::new();
+    for row in set.iter().filter(|row| row.threads == 1 && (row.tracer != OURS || is_ours(row, Mode::Auto))) {
+        match fastest.iter_mut().find(|other| other.tracer == row.tracer) {
+            Some(other) if other.mrays_per_second >= row.mrays_per_second => {}
+            Some(other) => *other = row,
+            None => fastest.push(row),
+        }
+    }
+    fastest
 }
 
 /// This crate in each of its modes, the scalar one first.
@@ -188,4 +208,84 @@ pub fn measure(
         row.mrays_per_second_mad = mad(&row.mrays_of_rounds);
     }
     Ok(rows)
+}
+
+/// A scene in all our modes and in the peers that are crates, one thread; nothing of a scene that is more than one mesh.
+///
+/// # Errors
+/// If the scene cannot be loaded, if hits that must be identical are not, or if this build has no peers.
+#[cfg(feature = "peers")]
+pub(super) fn compare(source: &SceneSource, size: u32, seed: u64, rounds: usize) -> Result<Vec<PeerRow>, Error> {
+    let LoadedScene { world, view, .. } = source.load()?;
+    let start = Instant::now();
+    let scene = Scene::<Woop<f32>>::new(world);
+    let build_seconds = start.elapsed().as_secs_f64();
+    let Some(mesh) = plain_mesh(scene.world()) else { return Ok(Vec::new()) };
+    let pool = thread_pool(1)?;
+    let all: Vec<_> = ours(&scene, build_seconds).into_iter().chain(rust_peers(mesh)).collect();
+    let contenders: Vec<_> = all.iter().map(|contender| (contender, &pool)).collect();
+    let mut rows = Vec::new();
+    for set in ray_sets(&scene, &view, size, seed) {
+        rows.extend(measure((&source.name(), mesh.len()), &set, &contenders, rounds)?);
+    }
+    Ok(rows)
+}
+
+#[cfg(not(feature = "peers"))]
+pub(super) fn compare(_: &SceneSource, _: u32, _: u64, _: usize) -> Result<Vec<PeerRow>, Error> {
+    available().map(|()| Vec::new())
+}
+
+/// Whether this build has peers.
+///
+/// # Errors
+/// If it has not: says how to get them.
+pub fn available() -> Result<(), Error> {
+    if cfg!(feature = "peers") {
+        return Ok(());
+    }
+    let message =
+        "this build has no peers; build it with the feature: cargo run --release --features peers -- study --peers";
+    Err(Error::Argument { argument: "--peers".into(), message: message.into() })
+}
+
+#[cfg(all(test, feature = "peers"))]
+mod tests {
+    use super::*;
+    use crate::tracer::trace;
+
+    #[test]
+    fn every_peer_reports_our_hits_but_for_its_rounding() {
+        let source = SceneSource::parse("terrain:1e3").unwrap();
+        let rows = compare(&source, 64, 7, 1).unwrap();
+        assert_eq!(rows.len(), 4 * (Mode::ALL.len() + 7), "four sets of rays");
+        for row in &rows {
+            let Disagreements { only_first, only_second, other_primitive, ties } = row.disagreements;
+            assert!(row.hits > 0 && row.mrays_per_second > 0.0, "{row:?}");
+            if row.tracer == OURS {
+                assert_eq!(row.disagreements, Disagreements::default(), "{row:?}");
+            }
+            // Rays that run along an edge, or leave a surface at a grazing angle, may be seen differently.
+            assert!(only_first + only_second + other_primitive <= row.ray_count / 500, "{row:?}");
+            assert!(ties <= row.ray_count / 100, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn barycentrics_of_all_peers_mean_the_same() {
+        let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e3").unwrap().load().unwrap();
+        let scene = Scene::<Woop<f32>>::new(world);
+        let [primary, ..] = ray_sets(&scene, &view, 64, 7);
+        let reference = trace(&scene, &primary.rays, false, Mode::Scalar);
+        for peer in rust_peers(plain_mesh(scene.world()).unwrap()) {
+            let mut hits = vec![Hit::MISS; reference.len()];
+            peer.scene.trace(&primary.rays, false, &mut hits);
+            let both = reference.iter().zip(&hits).filter(|(a, b)| a.mask && b.mask && a.primitive == b.primitive);
+            assert!(both.clone().count() > 1000, "{peer:?}");
+            for (a, b) in both {
+                let error = (a.u - b.u).abs().max((a.v - b.v).abs()).max((a.t / b.t - 1.0).abs());
+                assert!(error < 1e-3, "{peer:?}: {a:?} {b:?}");
+            }
+        }
+    }
 }
