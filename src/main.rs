@@ -61,11 +61,21 @@ struct StudyArguments {
     /// What all random inputs derive from.
     #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
+    /// Trace the scenes of one mesh with obvhs, bvh and parry3d too; needs a build with the feature "peers".
+    #[arg(long)]
+    peers: bool,
 }
 
 impl Default for StudyArguments {
     fn default() -> Self {
-        Self { scenes: Vec::new(), quick: false, large: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED }
+        Self {
+            scenes: Vec::new(),
+            quick: false,
+            large: false,
+            out: DEFAULT_OUT.into(),
+            seed: DEFAULT_SEED,
+            peers: false,
+        }
     }
 }
 
@@ -91,10 +101,10 @@ struct SceneArguments {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = parse_size)]
     size: (u32, u32),
     /// Camera position [default: the scene's own, or outside with all of it in view].
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_at", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "look_at", allow_hyphen_values = true)]
     eye: Option<Vec3>,
     /// Point in the middle of the picture.
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "eye", allow_hyphen_values = true)]
     look_at: Option<Vec3>,
     /// Vertical field of view in degrees, for a camera given by --eye.
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_field_of_view)]
@@ -203,15 +213,18 @@ fn note(text: &str) {
 
 fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     warn_of_slow_build();
+    // Cheap errors first: the study takes its time.
+    if arguments.peers {
+        study::peers::available()?;
+    }
     let scenes = if arguments.scenes.is_empty() {
         study::Options::default_scenes(arguments.quick)
     } else {
         arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
     };
-    // Cheap errors first: the study takes its time.
     study::make_folder(&arguments.out)?;
-    let record =
-        study::run(&study::Options { scenes, quick: arguments.quick, large: arguments.large, seed: arguments.seed })?;
+    let StudyArguments { quick, large, seed, peers, .. } = *arguments;
+    let record = study::run(&study::Options { scenes, quick, large, seed, peers })?;
     study::write(&record, &arguments.out)?;
     let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut text = study::terminal_table(&record, color);
@@ -558,15 +571,6 @@ fn mode_parser() -> impl TypedValueParser<Value = Mode> {
     let mode =
         |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
     PossibleValuesParser::new(Mode::ALL.map(Mode::name)).map(mode)
-}
-
-fn parse_point(text: &str) -> Result<Vec3, String> {
-    let numbers: Vec<f32> =
-        text.split(',').filter_map(|number| number.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
-    match numbers[..] {
-        [x, y, z] if text.split(',').count() == 3 => Ok(Vec3::new(x, y, z)),
-        _ => Err("expected three numbers, such as 1,2.5,-3".into()),
-    }
 }
 
 fn parse_field_of_view(text: &str) -> Result<f32, String> {

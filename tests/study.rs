@@ -51,7 +51,8 @@ fn extent_of(title: &str) -> [usize; 2] {
 #[test]
 fn every_kernel_is_measured_and_charted() {
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
-    let record = study::run(&Options { scenes, quick: true, large: false, seed: 1 }).unwrap();
+    let options = Options { scenes, quick: true, large: false, seed: 1, peers: false };
+    let record = study::run(&options).unwrap();
     let mut ids = Ids::default();
     registry::all(&mut ids);
     for id in &ids.0 {

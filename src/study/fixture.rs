@@ -1,9 +1,11 @@
 //! Made-up records for the tests of tables, charts and report: plausible figures, with zeros, gaps and missing cells.
 
+use super::peers::{Disagreements, EMBREE, OURS};
 use super::record::{
-    AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, KernelRow, Machine, MapCells, MapRow, Record, RegimeRow, SCHEMA,
-    ScalingRow, SpeedRow, TracerRow,
+    AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, KernelRow, Machine, MapCells, MapRow, PeerRow, Record, RegimeRow,
+    SCHEMA, ScalingRow, SpeedRow, TracerRow,
 };
+use super::stats::{mad, median};
 use super::{coherence, ray_sets};
 use crate::tracer::Mode;
 
@@ -71,6 +73,11 @@ pub(super) fn record_of(ids: &[String]) -> Record {
         tracer: tracer_rows(),
         coherence: ["terrain:1e5", "room"].into_iter().flat_map(coherence_rows).collect(),
         scaling: scaling_rows(),
+        peers: vec![
+            peer_row(OURS, "scalar", 1, &[2.4, 2.5, 2.6]),
+            peer_row(OURS, "auto", 1, &[20.0, 21.0, 23.0]),
+            peer_row(EMBREE, "robust, medium, 1 ray", 1, &[10.0, 11.0, 11.5]),
+        ],
     };
     for (i, id) in ids.iter().enumerate() {
         add_kernel(&mut record, i, id);
@@ -163,6 +170,28 @@ fn scaling_rows() -> Vec<ScalingRow> {
     cells.map(row).collect()
 }
 
+/// A configuration of a tracer, with the throughput of its rounds.
+pub(super) fn peer_row(tracer: &str, configuration: &str, threads: usize, mrays: &[f64]) -> PeerRow {
+    PeerRow {
+        scene: "spheres".into(),
+        triangles: 81_920,
+        rays: "primary".into(),
+        ray_count: 1_048_576,
+        hits: 700_000,
+        tracer: tracer.into(),
+        configuration: configuration.into(),
+        watertight: false,
+        threads,
+        mrays_per_second: median(mrays),
+        mrays_per_second_mad: mad(mrays),
+        mrays_of_rounds: mrays.to_vec(),
+        disagreements: Disagreements { only_first: 1, only_second: 2, ties: 30, other_primitive: 4 },
+        build_seconds: 0.21,
+        bytes_per_triangle: None,
+        checksum: "7357c0de".into(),
+    }
+}
+
 /// No rows but those of the kernels, regimes and maps; rows of zeros; and nothing at all.
 pub(super) fn degenerate_records() -> [Record; 3] {
     let mut bare = record_of(&all_ids());
@@ -209,6 +238,7 @@ fn clear_tracer(record: &mut Record) {
     record.tracer.clear();
     record.coherence.clear();
     record.scaling.clear();
+    record.peers.clear();
 }
 
 fn regimes() -> Vec<RegimeRow> {

@@ -11,6 +11,7 @@ mod fixture;
 mod frames;
 mod json;
 mod machine;
+pub mod peers;
 pub mod ray_sets;
 pub mod record;
 mod report;
@@ -55,6 +56,8 @@ pub struct Options {
     pub large: bool,
     /// What all random inputs derive from.
     pub seed: u64,
+    /// Whether to trace the scenes with the peers too; needs the feature of that name.
+    pub peers: bool,
 }
 
 impl Options {
@@ -149,6 +152,11 @@ pub fn run(options: &Options) -> Result<Record, Error> {
     progress.reach(COHERENCE_DONE);
     let extent = scaling::Extent { quick: options.quick, large: options.large };
     let scaling = scaling::measure(extent, options.seed, &progress)?;
+    let mut peer_rows = Vec::new();
+    for scene in options.scenes.iter().filter(|_| options.peers) {
+        progress.note(&format!("{}: peers", scene.name()));
+        peer_rows.extend(peers::compare(scene, size, options.seed, samples)?);
+    }
     progress.bar.finish_and_clear();
     Ok(Record {
         schema: SCHEMA,
@@ -156,7 +164,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         seconds: clock.elapsed().as_secs_f64(),
         quick: options.quick,
         seed: options.seed,
-        machine: machine::describe(),
+        machine: if options.peers { peers::machine() } else { machine::describe() },
         kernels: speed.kernels,
         absent: registry::absent()
             .iter()
@@ -171,6 +179,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         tracer,
         coherence,
         scaling,
+        peers: peer_rows,
     })
 }
 

@@ -76,5 +76,5 @@ pub use scenefile::load_scene;
 pub use source::{LoadedScene, SceneSource};
 pub use surface::SurfacePoint;
 pub use trace::{Counts, Mode, checksum, count, thread_pool, trace, trace_into};
-pub use view::{Light, View};
+pub use view::{Light, View, parse_point};
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};

@@ -4,7 +4,8 @@
 //! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
 //! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image;
 //! - `coherence`: the tracer's modes on rays that have ever less in common;
-//! - `scaling`: the cost of a ray in ever larger scenes.
+//! - `scaling`: the cost of a ray in ever larger scenes;
+//! - `peers`: rays per second of this crate's tracer and others.
 //!
 //! plotters maps values to pixels, draws the axes and writes the SVG. What must not overlap is placed here, in pixels,
 //! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
@@ -14,6 +15,7 @@ mod coherence;
 mod failure_map;
 mod look;
 mod panel;
+mod peers;
 mod scaling;
 mod speed_accuracy;
 mod stability;
@@ -77,9 +79,14 @@ pub(super) fn charts(record: &Record) -> Vec<Chart> {
     if !record.scaling.is_empty() {
         charts.push(Chart { file: SCALING.into(), svg: scaling::svg(record) });
     }
+    if !record.peers.is_empty() {
+        charts.push(Chart { file: PEERS.into(), svg: peers::svg(record) });
+    }
     charts
 }
 
+/// File of the chart of raylanes and its peers.
+pub(super) const PEERS: &str = "peers.svg";
 /// File of the chart of all kernels that are no instances.
 pub(super) const SPEED_ACCURACY: &str = "speed-accuracy.svg";
 /// File of the same chart of the instances.
@@ -202,10 +209,10 @@ mod tests {
         let charts = charts(&record);
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
         let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
-        assert_eq!(charts.len(), 4 + record.regimes.len() + with_maps.len());
+        assert_eq!(charts.len(), 5 + record.regimes.len() + with_maps.len());
         for chart in &charts {
             sound(chart);
-            if [COHERENCE, SCALING].contains(&chart.file.as_str()) {
+            if [COHERENCE, SCALING, PEERS].contains(&chart.file.as_str()) {
                 continue; // of no kernels
             }
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);

@@ -3,11 +3,12 @@
 mod failures;
 mod tracer;
 
-use crate::study::chart::{SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
+use crate::study::chart::{PEERS, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
 use crate::study::figures::{
     Cell, Figures, Grid, Group, Loss, MISSING, Rate, count, groups, groups_of_methods, number, severity, si,
     thread_counts, times,
 };
+use crate::study::peers::tables;
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
 /// The report, in Markdown; it shows the charts, which belong beside it.
@@ -34,6 +35,13 @@ pub(super) fn report_markdown(record: &Record) -> String {
     parts.extend(tracer::throughput(record));
     parts.extend(tracer::coherence(record));
     parts.extend(tracer::growth(record));
+    if !record.peers.is_empty() {
+        parts.push(format!("## Peers\n\n{}", tables::LEGEND));
+        parts.push(format!("![Rays per second of raylanes and its peers]({PEERS})"));
+        for (heading, grid) in tables::rates(&record.peers) {
+            parts.push(format!("### {heading}\n\n{}", grid.markdown()));
+        }
+    }
     parts.extend([METHOD.to_owned(), machine(record), sources(record), checksums(record)]);
     parts.iter().map(|part| part.trim_end()).collect::<Vec<_>>().join("\n\n") + "\n"
 }
