@@ -80,10 +80,10 @@ pub(super) fn record_of(ids: &[String]) -> Record {
     }
     for (mode, threads, mrays) in [("scalar", 1, 2.5), ("packet", 1, 7.25), ("scalar", 2, 4.9), ("packet", 2, 14.1)] {
         record.tracer.push(TracerRow {
-            scene: "spheres".into(),
+            scene: "forest:10000".into(),
             triangles: 81_920,
             instances: 3,
-            rays: "primary".into(),
+            rays: "ambient occlusion".into(),
             ray_count: 1_048_576,
             hits: 700_000,
             mode: mode.into(),
