@@ -1,5 +1,7 @@
 //! The program: arguments in, one call into the library, text out. Errors are one line and exit code 2.
 
+#![forbid(unsafe_code)]
+
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write as _};
 use std::marker::PhantomData;

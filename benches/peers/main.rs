@@ -6,7 +6,7 @@
 mod embree;
 
 use std::io::{self, IsTerminal};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -46,7 +46,7 @@ struct Arguments {
     /// What bounce and occlusion rays derive from.
     #[arg(long, default_value_t = 2026)]
     seed: u64,
-    /// Where peers.json and peers.md go, from the project's root.
+    /// Where peers.json and peers.md go; cargo runs benches in the project's root.
     #[arg(long, value_name = "DIR")]
     record: Option<PathBuf>,
     /// A small scene and picture, one round: to see that everything works.
@@ -74,6 +74,11 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Error> {
     let (started, clock) = (SystemTime::now(), Instant::now());
     let scenes = arguments.scenes.iter().map(|text| Shown::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let no_kernel = || Error::Argument {
+        argument: arguments.kernel.clone(),
+        message: "no such triangle kernel: `raylanes list` shows them".into(),
+    };
+    let kernel = registry::with_kernel::<Triangle, _>(&arguments.kernel, IdOf).ok_or_else(no_kernel)?;
     let embree = Embree::load()?;
     if embree.is_none() {
         eprintln!("note: no library of Embree 4 was found; EMBREE_LIB may name one");
@@ -82,8 +87,7 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
         eprintln!("note: {warning}");
     }
     // Cheap errors first: this takes its time.
-    let folder = arguments.record.as_ref().map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
-    if let Some(folder) = &folder {
+    if let Some(folder) = &arguments.record {
         make_folder(folder)?;
     }
     let pools = [1, 2].map(pinned_pool);
@@ -91,11 +95,7 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
     for shown in &scenes {
         let loaded = shown.load()?;
         let task = Compare { arguments, name: shown.source.name(), loaded, embree: embree.as_ref(), pools: &pools };
-        let of_scene = registry::with_kernel::<Triangle, _>(&arguments.kernel, task);
-        rows.extend(of_scene.ok_or_else(|| Error::Argument {
-            argument: arguments.kernel.clone(),
-            message: "no such triangle kernel: `raylanes list` shows them".into(),
-        })??);
+        rows.extend(registry::with_kernel::<Triangle, _>(&arguments.kernel, task).ok_or_else(no_kernel)??);
     }
     let mut machine = peers::machine();
     machine.versions.extend(embree.map(|embree| format!("Embree {}", embree.version)));
@@ -107,16 +107,25 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
         size: arguments.size,
         rounds: arguments.rounds.into(),
         seed: arguments.seed,
-        kernel: arguments.kernel.clone(),
+        kernel,
         targets: peers::judge(&rows, peers::cache_bytes()),
         peers: rows,
     };
     println!("{}", peers::terminal(&record, io::stdout().is_terminal()));
-    if let Some(folder) = folder {
-        peers::write(&record, &folder)?;
+    if let Some(folder) = &arguments.record {
+        peers::write(&record, folder)?;
         println!("Written to {}: peers.md, peers.json", folder.display());
     }
     Ok(())
+}
+
+struct IdOf;
+
+impl Task<Triangle> for IdOf {
+    type Output = String;
+    fn run<K: Kernel<Shape = Triangle>>(self) -> String {
+        K::INFO.id.to_string()
+    }
 }
 
 /// A scene, and from where it is seen if not as it says itself.

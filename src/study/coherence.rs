@@ -18,7 +18,7 @@ use crate::tracer::{Camera, Error, LoadedScene, Mode, Scene, SceneSource, count,
 /// How far rays are turned: 0 for those of the picture, 1 for random ones.
 pub const JITTERS: [f64; 9] = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0];
 
-/// The scenes: of small triangles, of which the sky shows no more than half, and a closed one of large triangles.
+/// The scenes: an open one of small triangles, which random rays often leave, and a closed one of large triangles.
 const SCENES: [&str; 2] = ["terrain:1e5", "room"];
 /// The same for a quick run.
 const QUICK_SCENES: [&str; 2] = ["terrain:1e3", "room:small"];

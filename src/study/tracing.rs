@@ -95,21 +95,6 @@ pub(super) struct Coherence<'a> {
     rows: Vec<&'a CoherenceRow>,
 }
 
-/// From which jitter on, up to the last, single rays are faster than packets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Crossing {
-    /// From the rays of a picture on.
-    Always,
-    /// From this one on.
-    From {
-        /// The last at which packets are as fast or faster.
-        last: f64,
-        first: f64,
-    },
-    /// Not even random rays.
-    Never,
-}
-
 impl<'a> Coherence<'a> {
     /// Those of a record, in its order.
     pub(super) fn all(record: &'a Record) -> Vec<Self> {
@@ -132,6 +117,11 @@ impl<'a> Coherence<'a> {
         self.rows.iter().find(|row| row.jitter == jitter && row.mode == mode).copied()
     }
 
+    /// Whether anything was counted in any mode.
+    pub(super) fn is_counted(&self) -> bool {
+        self.rows.iter().any(|row| row.nodes + row.leaves + row.tests > 0)
+    }
+
     fn mrays(&self, jitter: f64, mode: &str) -> Option<f64> {
         self.row(jitter, mode).map(|row| row.mrays_per_second)
     }
@@ -146,14 +136,15 @@ impl<'a> Coherence<'a> {
         quotient(self.mrays(jitter, "auto")?, self.mrays(jitter, "single")?.max(self.mrays(jitter, "packet")?))
     }
 
-    /// Where packets stop to pay; `None` where they or single rays were not measured.
-    pub(super) fn crossing(&self) -> Option<Crossing> {
-        let gains: Option<Vec<f64>> = self.jitters.iter().map(|&jitter| self.packet_gain(jitter)).collect();
-        let gains = gains.filter(|gains| !gains.is_empty())?;
-        Some(match gains.iter().rposition(|&gain| gain >= 1.0) {
-            None => Crossing::Always,
-            Some(last) if last + 1 == gains.len() => Crossing::Never,
-            Some(last) => Crossing::From { last: self.jitters[last], first: self.jitters[last + 1] },
+    /// The number of the first jitter at which single rays are faster than packets, by more than both median absolute
+    /// deviations together.
+    pub(super) fn overtaking(&self) -> Option<usize> {
+        self.jitters.iter().position(|&jitter| {
+            let rows = self.row(jitter, "single").zip(self.row(jitter, "packet"));
+            rows.is_some_and(|(single, packet)| {
+                let spread = single.mrays_per_second_mad + packet.mrays_per_second_mad;
+                single.mrays_per_second - packet.mrays_per_second > spread
+            })
         })
     }
 
@@ -237,24 +228,24 @@ mod tests {
     }
 
     #[test]
-    fn packets_stop_to_pay_where_single_rays_stay_ahead() {
-        let crossing = |packets: [f64; 4]| {
+    fn single_rays_overtake_packets_where_they_are_faster_by_more_than_the_spread() {
+        let overtaking = |packets: [f64; 4]| {
             let mut record = record_of(&[]);
             record.coherence.retain(|row| row.scene == "room" && row.jitter <= 0.01);
             for row in &mut record.coherence {
                 let step = [0.0, 0.001, 0.003, 0.01].iter().position(|&jitter| jitter == row.jitter).unwrap();
                 row.mrays_per_second = if row.mode == "packet" { packets[step] } else { 5.0 };
+                row.mrays_per_second_mad = 0.2;
             }
-            Coherence::all(&record)[0].crossing()
+            Coherence::all(&record)[0].overtaking()
         };
-        assert_eq!(crossing([9.0, 8.0, 6.0, 5.0]), Some(Crossing::Never));
-        assert_eq!(crossing([9.0, 8.0, 4.9, 1.0]), Some(Crossing::From { last: 0.001, first: 0.003 }));
-        assert_eq!(crossing([9.0, 4.0, 6.0, 1.0]), Some(Crossing::From { last: 0.003, first: 0.01 }));
-        assert_eq!(crossing([4.0, 4.0, 4.0, 4.0]), Some(Crossing::Always));
-        assert_eq!(crossing([0.0, 0.0, 0.0, f64::INFINITY]), None);
+        assert_eq!(overtaking([9.0, 8.0, 6.0, 5.0]), None);
+        assert_eq!(overtaking([9.0, 8.0, 6.0, 4.7]), None, "a tie");
+        assert_eq!(overtaking([9.0, 8.0, 4.5, 6.0]), Some(2));
+        assert_eq!(overtaking([4.0; 4]), Some(0));
         let mut record = record_of(&[]);
         record.coherence.retain(|row| row.mode != "single");
-        assert_eq!(Coherence::all(&record)[0].crossing(), None);
+        assert_eq!(Coherence::all(&record)[0].overtaking(), None);
     }
 
     #[test]

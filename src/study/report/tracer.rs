@@ -4,7 +4,7 @@ use super::code;
 use crate::study::chart::{COHERENCE, SCALING};
 use crate::study::figures::{Cell, Grid, MISSING, count, number, optional, severity, thread_counts, times};
 use crate::study::record::{CoherenceRow, Record, TracerRow};
-use crate::study::tracing::{Coherence, Crossing, Growth, Traced, modes};
+use crate::study::tracing::{Coherence, Growth, Traced, modes};
 
 /// Scenes, modes side by side, and more threads against one.
 pub(super) fn throughput(record: &Record) -> Vec<String> {
@@ -120,49 +120,45 @@ pub(super) fn coherence(record: &Record) -> Vec<String> {
         parts.push(format!("### {}\n\n{}", coherence.scene, summary(coherence)));
         parts.push("Million rays per second; choice is auto over the faster of single and packet:".to_owned());
         parts.push(speeds(coherence));
-        parts.push("What was counted:".to_owned());
-        parts.push(counts(coherence));
+        if coherence.is_counted() {
+            parts.push("What was counted:".to_owned());
+            parts.push(counts(coherence));
+        }
     }
     parts
 }
 
 /// Where single rays overtake packets, and how well mode auto chooses.
 fn summary(coherence: &Coherence) -> String {
-    let gain = |jitter: f64| times(coherence.packet_gain(jitter));
-    let ends = coherence.jitters.first().zip(coherence.jitters.last());
-    let crossing = coherence.crossing().zip(ends).map(|(crossing, (&first, &last))| match crossing {
-        Crossing::Always => format!(
-            "Packets do not pay: they are {} as fast as single rays even at jitter {}, and {} at {}.",
-            gain(first),
-            severity(first),
-            gain(last),
-            severity(last)
-        ),
-        Crossing::Never => format!(
-            "Single rays never overtake packets, which are {} as fast at jitter {} and still {} at {}.",
-            gain(first),
-            severity(first),
-            gain(last),
-            severity(last)
-        ),
-        Crossing::From { last: before, first: from } => format!(
-            "Packets are {} as fast as single rays at jitter {}; single rays overtake them at {} (packets: {}; at {} still {}).",
-            gain(first),
-            severity(first),
-            severity(from),
-            gain(from),
-            severity(before),
-            gain(before)
-        ),
-    });
-    let choice = coherence.worst_choice().map(|(ratio, jitter)| {
-        format!(
-            "Mode auto is at worst {} as fast as the better of the two, at jitter {}.",
-            times(Some(ratio)),
+    let packets = |jitter: f64| format!("{} at {}", times(coherence.packet_gain(jitter)), severity(jitter));
+    let mut text = String::new();
+    if let [first, .., last] = coherence.jitters[..]
+        && coherence.packet_gain(first).is_some()
+    {
+        text += &match coherence.overtaking() {
+            None => "Single rays do not overtake packets by more than the spread of the samples.".to_owned(),
+            Some(0) => "Single rays are faster than packets from the beginning.".to_owned(),
+            Some(step) => format!(
+                "Single rays overtake packets at jitter {}. Up to {} packets pay.",
+                severity(coherence.jitters[step]),
+                severity(coherence.jitters[step - 1])
+            ),
+        };
+        let between = coherence.overtaking().filter(|&step| step > 0).into_iter().flat_map(|step| [step - 1, step]);
+        let mut shown = vec![first];
+        shown.extend(between.map(|step| coherence.jitters[step]).filter(|&jitter| jitter > first && jitter < last));
+        shown.push(last);
+        let shown: Vec<_> = shown.into_iter().map(packets).collect();
+        text += &format!(" Packets over single rays, by jitter: {}.", shown.join(", "));
+    }
+    if let Some((ratio, jitter)) = coherence.worst_choice() {
+        let ratio = times(Some(ratio));
+        text += &format!(
+            " Mode auto is at worst {ratio} as fast as the better of the two, at jitter {}.",
             severity(jitter)
-        )
-    });
-    crossing.into_iter().chain(choice).collect::<Vec<_>>().join(" ")
+        );
+    }
+    text
 }
 
 /// Jitter × mode: speed.
@@ -211,12 +207,15 @@ fn counts(coherence: &Coherence) -> String {
 pub(super) fn growth(record: &Record) -> Vec<String> {
     let all = Growth::all(record);
     let Some(sizes) = all.first().map(|growth| &growth.rows) else { return Vec::new() };
-    let mut header = Grid::new(1, ["scene", "triangles", "megabytes", "bytes / triangle", "build s"]);
+    let mut header =
+        Grid::new(1, ["scene", "triangles", "triangles / pixel", "megabytes", "bytes / triangle", "build s"]);
+    // The first set is that of the picture, one ray for each pixel.
     header.rows.extend(sizes.iter().map(|row| {
         let megabytes = row.bytes_per_triangle * row.triangles as f64 / 1e6;
         vec![
             Cell::from(row.scene.as_str()),
             Cell::from(count(row.triangles as u64)),
+            Cell::from(number(row.triangles as f64 / row.ray_count as f64, 2)),
             Cell::from(number(megabytes, 3)),
             Cell::from(number(row.bytes_per_triangle, 3)),
             Cell::from(number(row.build_seconds, 3)),
@@ -260,9 +259,11 @@ mod tests {
     fn the_summary_names_where_packets_stop_to_pay() {
         let record = record_of(&[]);
         let text = coherence(&record).join("\n\n");
-        // The made-up packets begin 20 / 7 as fast, and are last ahead at a jitter of 0.03, 1.83 to 1, or so.
         assert!(
-            text.contains("Packets are 2.86× as fast as single rays at jitter 0; single rays overtake them at 0.2 "),
+            text.contains(
+                "Single rays overtake packets at jitter 0.2. Up to 0.1 packets pay. Packets over single rays, by jitter: \
+                 2.86× at 0, 1.03× at 0.1, 0.67× at 0.2, 0.44× at 1. Mode auto"
+            ),
             "{text}"
         );
         assert!(text.contains("Mode auto is at worst "), "{text}");
@@ -272,8 +273,8 @@ mod tests {
             rows.for_each(|row| row.mrays_per_second *= factor);
             coherence(&record).join("\n\n")
         };
-        assert!(changed("packet", 100.0).contains("Single rays never overtake packets"));
-        assert!(changed("single", 100.0).contains("Packets do not pay"));
+        assert!(changed("packet", 100.0).contains("Single rays do not overtake packets"));
+        assert!(changed("single", 100.0).contains("Single rays are faster than packets from the beginning"));
         assert!(changed("auto", 0.5).contains("Mode auto is at worst 0.48× as fast"), "{}", changed("auto", 0.5));
     }
 
@@ -306,6 +307,6 @@ mod tests {
         last.ns_per_ray *= 2.0;
         let text = growth(&record).join("\n\n");
         assert!(text.contains("It is greatest, 2.50×, for bounce rays up to terrain:1e6."), "{text}");
-        assert!(text.contains("| terrain:1e6 | 1,000,000 | 178 | 178 | 0.300 |"), "{text}");
+        assert!(text.contains("| terrain:1e6 | 1,000,000 | 3.8 | 178 | 178 | 0.300 |"), "{text}");
     }
 }
