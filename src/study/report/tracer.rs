@@ -232,8 +232,10 @@ pub(super) fn growth(record: &Record) -> Vec<String> {
     }
     vec![
         format!(
-            "## Size\n\nOne landscape in one picture, of ever more triangles; mode auto, one thread. The growth is that of a ray's \
-             cost, per factor of ten of triangles.{}\n\n![Cost of a ray, build and memory against size]({SCALING})",
+            "## Size\n\nOne landscape in one picture, of ever more triangles; mode auto, one thread. Cost grows with \
+             the depth of the tree, with misses of the caches, and, where triangles are smaller than pixels, with what \
+             neighbouring rays no longer have in common. The growth is that of a ray's cost, per factor of ten of \
+             triangles.{}\n\n![Cost of a ray, build and memory against size]({SCALING})",
             greatest(&all).map_or(String::new(), |text| format!(" {text}"))
         ),
         header.markdown(),
