@@ -28,8 +28,8 @@ use embree::{Caller, Calls, Embree, Quality};
 /// Traces the same rays with raylanes and its peers.
 #[derive(Parser)]
 struct Arguments {
-    /// A built-in scene, an OBJ file or a scene file of one mesh, perhaps with a camera: SCENE@EYE:LOOK_AT, each as X,Y,Z.
-    #[arg(value_name = "SCENE", default_value = "terrain:1e6")]
+    /// Built-in scenes, OBJ files or scene files of one mesh each; a camera may follow as points X,Y,Z.
+    #[arg(value_name = "SCENE[@EYE:LOOK_AT]", default_value = "terrain:1e6")]
     scenes: Vec<String>,
     /// Width and height of the picture whose rays are traced.
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=8192))]
@@ -111,7 +111,12 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
         targets: peers::judge(&rows, peers::cache_bytes()),
         peers: rows,
     };
-    println!("{}", peers::terminal(&record, io::stdout().is_terminal()));
+    let table = peers::terminal(&record, io::stdout().is_terminal());
+    if arguments.test {
+        println!("Success: {} configurations and sets of rays in {} lines", record.peers.len(), table.lines().count());
+    } else {
+        println!("{table}");
+    }
     if let Some(folder) = &arguments.record {
         peers::write(&record, folder)?;
         println!("Written to {}: peers.md, peers.json", folder.display());
