@@ -214,11 +214,14 @@ impl Task<Triangle> for Compare<'_> {
         }
         rivals.retain(chosen);
 
-        let mut contenders = vec![(&scalar, &pools[0])];
-        for (pool, is_in) in [(&pools[0], true), (&pools[1], false)] {
+        let [one, two] = pools;
+        let mut contenders = vec![(&scalar, one)];
+        for rival in &rivals {
+            contenders.push((rival, one));
             // Two threads are for those that have something to prove with them.
-            let with_threads = |rival: &&Contender| is_in || [OURS, EMBREE].contains(&rival.tracer);
-            contenders.extend(rivals.iter().filter(with_threads).map(|rival| (rival, pool)));
+            if [OURS, EMBREE].contains(&rival.tracer) {
+                contenders.push((rival, two));
+            }
         }
         let mut rows = Vec::new();
         for set in ray_sets(&scene, &view, arguments.size, arguments.seed) {
