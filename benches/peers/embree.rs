@@ -143,14 +143,15 @@ macro_rules! api {
     ($($name:ident: $symbol:literal, $type:ty;)*) => {
         struct Api {
             $($name: $type,)*
-            /// Last, so that it is unloaded after everything else is gone.
-            _library: Library,
         }
 
         impl Api {
             fn new(library: Library) -> Result<Self, libloading::Error> {
                 // Safe for the functions of this name in Embree 4.
-                unsafe { Ok(Self { $($name: *library.get::<$type>($symbol)?,)* _library: library }) }
+                let api = unsafe { Self { $($name: *library.get::<$type>($symbol)?,)* } };
+                // It stays loaded: its threads may outlive the last device.
+                std::mem::forget(library);
+                Ok(api)
             }
         }
     };
