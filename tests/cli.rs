@@ -93,6 +93,12 @@ fn wrong_names_say_what_would_be_right() {
     }
 }
 
+#[cfg(not(feature = "peers"))]
+#[test]
+fn a_build_without_peers_says_how_to_get_them() {
+    fails(&["study", "--peers"], &["--peers", "cargo run --release --features peers"]);
+}
+
 #[test]
 fn broken_meshes_are_told_by_file_line_and_value() {
     let folder = Folder::new("meshes");

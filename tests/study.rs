@@ -51,7 +51,7 @@ fn extent_of(title: &str) -> [usize; 2] {
 #[test]
 fn every_kernel_is_measured_and_charted() {
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
-    let options = Options { scenes, quick: true, large: false, seed: 1, peers: false };
+    let options = Options { scenes, quick: true, large: false, seed: 1, peers: cfg!(feature = "peers") };
     let record = study::run(&options).unwrap();
     let mut ids = Ids::default();
     registry::all(&mut ids);
@@ -85,12 +85,15 @@ fn every_kernel_is_measured_and_charted() {
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
     assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
     tracer_is_measured(&record);
+    // The same rays, our modes, and seven configurations of three crates.
+    assert_eq!(record.peers.len(), if cfg!(feature = "peers") { 4 * (4 + 7) } else { 0 });
 
     let folder = std::env::temp_dir().join(format!("raylanes-study-{}", std::process::id()));
     study::write(&record, &folder).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     assert!(serde_json::from_str::<Record>(&read("results.json")).unwrap() == record, "JSON loses something");
     let (report, chart) = (read("report.md"), read("speed-accuracy.svg"));
+    assert_eq!(report.contains("\n## Peers\n"), cfg!(feature = "peers"));
     for id in &ids.0 {
         assert!(report.contains(id.as_str()), "{id} is not in the report");
         assert!(chart.contains(id.rsplit('/').next().unwrap()), "{id} is not in the chart");

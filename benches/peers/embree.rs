@@ -129,7 +129,7 @@ const _: () = {
     assert!(offset_of!(RtcRayHits<8>, hits) == 384 && offset_of!(RtcHits<8>, u) == 96);
     assert!(offset_of!(RtcHits<8>, primitive) == 160 && offset_of!(RtcHits<8>, geometry) == 192);
     assert!(offset_of!(RtcHits<16>, primitive) == 320 && offset_of!(RtcHits<16>, instance) == 448);
-    assert!(align_of::<Valid<8>>() % 32 == 0 && align_of::<Valid<16>>() == 64);
+    assert!(align_of::<Valid<8>>() >= 32 && align_of::<Valid<16>>() == 64);
     assert!(offset_of!(RtcArguments, context) == 8 && offset_of!(RtcArguments, callback) == 8 + 2 * size_of::<usize>());
 };
 
@@ -143,14 +143,15 @@ macro_rules! api {
     ($($name:ident: $symbol:literal, $type:ty;)*) => {
         struct Api {
             $($name: $type,)*
-            /// Last, so that it is unloaded after everything else is gone.
-            _library: Library,
         }
 
         impl Api {
             fn new(library: Library) -> Result<Self, libloading::Error> {
                 // Safe for the functions of this name in Embree 4.
-                unsafe { Ok(Self { $($name: *library.get::<$type>($symbol)?,)* _library: library }) }
+                let api = unsafe { Self { $($name: *library.get::<$type>($symbol)?,)* } };
+                // It stays loaded: its threads may outlive the last device.
+                std::mem::forget(library);
+                Ok(api)
             }
         }
     };
@@ -208,8 +209,8 @@ impl Embree {
 
     fn open(path: &Path) -> Result<Self, String> {
         // Loading runs the library's initialisers: whoever names it vouches for it.
-        let library = unsafe { Library::new(path) }.map_err(|error| error.to_string())?;
-        let api = Arc::new(Api::new(library).map_err(|error| error.to_string())?);
+        let library = unsafe { Library::new(path) }.map_err(|error| reason(&error))?;
+        let api = Arc::new(Api::new(library).map_err(|error| reason(&error))?);
         let device = Device::new(&api).ok_or("it makes no device")?;
         let property = |number| unsafe { (api.device_property)(device.handle, number) };
         let [major, minor, patch] =
@@ -222,6 +223,11 @@ impl Embree {
         drop(device);
         Ok(Self { api, version, native16 })
     }
+}
+
+/// What the system says about it, which libloading keeps to itself.
+fn reason(error: &libloading::Error) -> String {
+    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }
 
 /// A device, and how many bytes it holds.
@@ -370,7 +376,7 @@ impl Tracer for Caller {
             match self.calls {
                 Calls::One => scene.one_by_one(rays, any_hit, hits),
                 Calls::Eight { coherent } => {
-                    scene.packets((api.intersect8, api.occluded8), coherent, rays, any_hit, hits)
+                    scene.packets((api.intersect8, api.occluded8), coherent, rays, any_hit, hits);
                 }
                 Calls::Sixteen { coherent } => {
                     scene.packets((api.intersect16, api.occluded16), coherent, rays, any_hit, hits);

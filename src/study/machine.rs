@@ -55,8 +55,12 @@ fn cpu() -> String {
 }
 
 fn version(lock: &str, name: &str) -> String {
-    let package = lock.split("[[package]]").find(|package| package.contains(&format!("name = \"{name}\"\n")));
-    let version = package.and_then(|package| package.split("version = \"").nth(1)?.split('"').next());
+    let package = |name: &str| lock.split("[[package]]").find(|text| text.contains(&format!("\nname = \"{name}\"\n")));
+    // Of a crate that others need in other versions, ours is the one that stands in our list of dependencies.
+    let start = format!("\"{name} ");
+    let ours = package(env!("CARGO_PKG_NAME")).and_then(|text| text.split(&start).nth(1));
+    let only = || package(name)?.split("version = \"").nth(1);
+    let version = ours.or_else(only).and_then(|text| text.split('"').next());
     format!("{name} {}", version.unwrap_or("unknown"))
 }
 
@@ -78,9 +82,11 @@ mod tests {
 
     #[test]
     fn versions_come_from_the_lock_file() {
-        let lock =
-            "[[package]]\nname = \"glam\"\nversion = \"1.2.3\"\n\n[[package]]\nname = \"wide\"\nversion = \"4.5.6\"\n";
-        let found = ["glam", "wide", "obvhs"].map(|name| version(lock, name));
+        let package =
+            |name: &str, version: &str| format!("[[package]]\nname = \"{name}\"\nversion = \"{version}\"\n\n");
+        let lock = [package("glam", "1.1.0"), package("glam", "1.2.3"), package("wide", "4.5.6")].concat()
+            + "[[package]]\nname = \"raylanes\"\ndependencies = [\n \"glam 1.2.3\",\n \"wide\",\n]\n";
+        let found = ["glam", "wide", "obvhs"].map(|name| version(&lock, name));
         assert_eq!(found, ["glam 1.2.3", "wide 4.5.6", "obvhs unknown"]);
         let all = [describe().versions, versions(&PEERS)].concat();
         assert!(all.len() > 7 && all.iter().all(|version| !version.ends_with("unknown")), "{all:?}");

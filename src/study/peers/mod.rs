@@ -249,8 +249,58 @@ pub fn available() -> Result<(), Error> {
     Err(Error::Argument { argument: "--peers".into(), message: message.into() })
 }
 
+#[cfg(test)]
+mod timing_tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+    use crate::tracer::thread_pool;
+
+    /// Reports the hits of these primitives, one after the other in each call.
+    struct Made(Vec<u32>, AtomicU32);
+
+    impl Tracer for Made {
+        fn trace(&self, _: &[Ray<f32>], _: bool, hits: &mut [Hit<f32>]) {
+            let call = self.1.fetch_add(1, Ordering::Relaxed) as usize;
+            hits.fill(Hit { primitive: self.0[call % self.0.len()], ..Hit::<f32>::new(true, 1.0, 0.0, 0.0) });
+        }
+    }
+
+    fn contender(tracer: &'static str, primitives: &[u32]) -> Contender<'static> {
+        Contender {
+            tracer,
+            configuration: "made".into(),
+            watertight: false,
+            build_seconds: 0.5,
+            bytes: Some(1000),
+            scene: Box::new(Made(primitives.into(), AtomicU32::new(0))),
+        }
+    }
+
+    #[test]
+    fn whoever_contradicts_itself_or_us_is_found() {
+        let pool = thread_pool(1).unwrap();
+        let set = RaySet { name: "primary", any_hit: false, rays: vec![Ray::INACTIVE; 3] };
+        let measured = |contenders: &[Contender]| {
+            let contenders: Vec<_> = contenders.iter().map(|contender| (contender, &pool)).collect();
+            measure(("made", 10), &set, &contenders, 4)
+        };
+        let rows = measured(&[contender(OURS, &[1]), contender(OURS, &[1]), contender("other", &[2])]).unwrap();
+        let differing: Vec<_> = rows.iter().map(|row| row.disagreements.ties).collect();
+        assert_eq!(differing, [0, 0, 3]);
+        for row in &rows {
+            assert_eq!((row.hits, row.mrays_of_rounds.len(), row.bytes_per_triangle), (3, 4, Some(100.0)));
+            assert!(row.mrays_per_second > 0.0 && row.mrays_per_second_mad >= 0.0);
+        }
+        for wrong in [contender(OURS, &[2]), contender(OURS, &[1, 1, 1, 2]), contender("other", &[2, 2, 2, 3])] {
+            let error = measured(&[contender(OURS, &[1]), wrong]).unwrap_err().to_string();
+            assert!(error.starts_with("hits differ: made, primary rays, "), "{error}");
+        }
+    }
+}
+
 #[cfg(all(test, feature = "peers"))]
-mod tests {
+mod peer_tests {
     use super::*;
     use crate::tracer::trace;
 
