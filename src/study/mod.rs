@@ -102,10 +102,10 @@ impl Progress {
 }
 
 /// Shares of the whole that are done when each part ends.
-const SPEED_DONE: f64 = 0.3;
-const ACCURACY_DONE: f64 = 0.6;
-const SCENES_DONE: f64 = 0.8;
-const COHERENCE_DONE: f64 = 0.9;
+const SPEED_DONE: f64 = 0.35;
+const ACCURACY_DONE: f64 = 0.65;
+const SCENES_DONE: f64 = 0.88;
+const COHERENCE_DONE: f64 = 0.95;
 
 /// Runs the study.
 ///
