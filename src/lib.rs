@@ -69,7 +69,7 @@
 //! # Features
 //!
 //! With `default-features = false` there are the kernels alone: `no_std`, and no dependencies but glam, libm and wide.
-//! `tracer` adds scenes, `study` (the default) everything.
+//! `tracer` adds scenes, `study` (the default) everything else, and `peers` other crates to compare the tracer with.
 //!
 //! [wide] chooses its instructions at compile time. Without a flag an x86-64 build has SSE2 and packets run at half width:
 //! build with `RUSTFLAGS="-C target-cpu=native"`, or `x86-64-v3` for AVX2 and FMA everywhere. Hits do not depend on it.
@@ -86,6 +86,7 @@
 
 // Tests may use all of std, also those of a build without it.
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
+#![forbid(unsafe_code)]
 
 pub mod geom;
 pub mod kernels;

@@ -1,5 +1,7 @@
 //! The program: arguments in, one call into the library, text out. Errors are one line and exit code 2.
 
+#![forbid(unsafe_code)]
+
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write as _};
 use std::marker::PhantomData;
@@ -7,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use raylanes::geom::{Hit, Quadric, Ray, Triangle};
@@ -51,17 +54,30 @@ struct StudyArguments {
     /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.
     #[arg(long)]
     quick: bool,
+    /// Measure the cost of a ray up to ten million triangles, instead of one: takes minutes and gigabytes more.
+    #[arg(long)]
+    large: bool,
     /// Where results go.
     #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
     out: PathBuf,
     /// What all random inputs derive from.
     #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
+    /// Trace the scenes of one mesh with obvhs, bvh and parry3d too; needs a build with the feature "peers".
+    #[arg(long)]
+    peers: bool,
 }
 
 impl Default for StudyArguments {
     fn default() -> Self {
-        Self { scenes: Vec::new(), quick: false, out: DEFAULT_OUT.into(), seed: DEFAULT_SEED }
+        Self {
+            scenes: Vec::new(),
+            quick: false,
+            large: false,
+            out: DEFAULT_OUT.into(),
+            seed: DEFAULT_SEED,
+            peers: false,
+        }
     }
 }
 
@@ -71,14 +87,15 @@ struct SceneArguments {
     /// A scene file (TOML), an OBJ file or a built-in scene.
     scene: String,
     /// Triangle kernel, by ID or name; see `raylanes list`.
-    #[arg(long, value_name = "ID", default_value = "moller_trumbore")]
+    #[arg(long, value_name = "ID", default_value = <study::TracerKernel as Kernel>::INFO.id.method)]
     kernel: String,
     /// Quadric kernel, by ID or name.
     #[arg(long, value_name = "ID", default_value = "mixed")]
     quadric_kernel: String,
-    /// How rays are taken; the hits are the same.
-    #[arg(long, value_enum, default_value_t = ModeArgument::Auto)]
-    mode: ModeArgument,
+    /// How rays are taken: one by one with scalar code (the reference), one by one against eight boxes at a time, many
+    /// together, or single or packet as suits the rays. The hits are the same.
+    #[arg(long, default_value = Mode::Auto.name(), value_parser = mode_parser())]
+    mode: Mode,
     /// Threads; 0 for as many as there are processors.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
     threads: u16,
@@ -86,10 +103,10 @@ struct SceneArguments {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = parse_size)]
     size: (u32, u32),
     /// Camera position [default: the scene's own, or outside with all of it in view].
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_at", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "look_at", allow_hyphen_values = true)]
     eye: Option<Vec3>,
     /// Point in the middle of the picture.
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "eye", allow_hyphen_values = true)]
     look_at: Option<Vec3>,
     /// Vertical field of view in degrees, for a camera given by --eye.
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_field_of_view)]
@@ -132,16 +149,6 @@ struct RenderArguments {
     /// the two see something else, and print how many there are.
     #[arg(long, value_name = "ID")]
     compare: Option<String>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ModeArgument {
-    /// One ray at a time.
-    Scalar,
-    /// Eight rays at a time.
-    Packet,
-    /// Packets if most groups of eight rays run through the same octant, else single rays.
-    Auto,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -208,14 +215,18 @@ fn note(text: &str) {
 
 fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     warn_of_slow_build();
+    // Cheap errors first: the study takes its time.
+    if arguments.peers {
+        study::peers::available()?;
+    }
     let scenes = if arguments.scenes.is_empty() {
         study::Options::default_scenes(arguments.quick)
     } else {
         arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
     };
-    // Cheap errors first: the study takes its time.
     study::make_folder(&arguments.out)?;
-    let record = study::run(&study::Options { scenes, quick: arguments.quick, seed: arguments.seed })?;
+    let StudyArguments { quick, large, seed, peers, .. } = *arguments;
+    let record = study::run(&study::Options { scenes, quick, large, seed, peers })?;
     study::write(&record, &arguments.out)?;
     let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut text = study::terminal_table(&record, color);
@@ -258,14 +269,6 @@ impl SceneArguments {
         let (width, height) = self.size;
         let camera = view.camera(width, height);
         Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
-    }
-
-    fn mode_for(&self, rays: &[Ray<f32>]) -> Mode {
-        match self.mode {
-            ModeArgument::Scalar => Mode::Scalar,
-            ModeArgument::Packet => Mode::Packet,
-            ModeArgument::Auto => Mode::suited_to(rays),
-        }
     }
 }
 
@@ -361,8 +364,7 @@ fn trace(arguments: &TraceArguments) -> Result<String, Error> {
     let (width, height) = scene.size;
     let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
     let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
-    let mode = scene.mode_for(&rays);
-    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays, mode });
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays });
     if let Some(file) = &arguments.hits {
         if let Some(order) = picture_order {
             let mut rows = vec![Hit::MISS; hits.len()];
@@ -393,24 +395,25 @@ struct Trace<'a> {
     arguments: &'a TraceArguments,
     loaded: Loaded,
     rays: Vec<Ray<f32>>,
-    mode: Mode,
 }
 
 impl Task<Triangle> for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays, mode } = self;
+        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays } = self;
+        let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
         let start = Instant::now();
         let scene = pool.install(|| kernels.scene::<K>(world));
         let build_seconds = start.elapsed().as_secs_f64();
-        let trace = || pool.install(|| tracer::trace(&scene, &rays, arguments.any_hit, mode));
-        let mut hits = trace(); // not counted: it warms up
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut trace = || pool.install(|| tracer::trace_into(&scene, &rays, any_hit, mode, &mut hits));
+        trace(); // not counted: it warms up
         let mut rates = Vec::new();
         for _ in 0..arguments.repeat {
             let start = Instant::now();
-            hits = trace();
+            trace();
             rates.push(rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
         }
         let result = TraceResult {
@@ -440,11 +443,7 @@ fn render(arguments: &RenderArguments) -> Result<String, Error> {
     let other = arguments.compare.as_deref().map(|id| kernels.with(id, &["triangle", "quadric"])).transpose()?;
     let Loaded { world, camera, light, pool } = scene.load()?;
     let (width, height) = scene.size;
-    let mode = match scene.mode {
-        ModeArgument::Scalar => Mode::Scalar,
-        ModeArgument::Packet | ModeArgument::Auto => Mode::Packet,
-    };
-    let shot = Shot { camera, light, mode, width, height };
+    let shot = Shot { camera, light, mode: scene.mode, width, height };
     pool.install(|| {
         let (picture, hits, world) =
             kernels.run(Render { kernels, world, shot: &shot, shade: arguments.shade.into() });
@@ -569,13 +568,11 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
-fn parse_point(text: &str) -> Result<Vec3, String> {
-    let numbers: Vec<f32> =
-        text.split(',').filter_map(|number| number.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
-    match numbers[..] {
-        [x, y, z] if text.split(',').count() == 3 => Ok(Vec3::new(x, y, z)),
-        _ => Err("expected three numbers, such as 1,2.5,-3".into()),
-    }
+/// Understands the names of modes.
+fn mode_parser() -> impl TypedValueParser<Value = Mode> {
+    let mode =
+        |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
+    PossibleValuesParser::new(Mode::ALL.map(Mode::name)).map(mode)
 }
 
 fn parse_field_of_view(text: &str) -> Result<f32, String> {

@@ -93,6 +93,12 @@ fn wrong_names_say_what_would_be_right() {
     }
 }
 
+#[cfg(not(feature = "peers"))]
+#[test]
+fn a_build_without_peers_says_how_to_get_them() {
+    fails(&["study", "--peers"], &["--peers", "cargo run --release --features peers"]);
+}
+
 #[test]
 fn broken_meshes_are_told_by_file_line_and_value() {
     let folder = Folder::new("meshes");
@@ -138,7 +144,7 @@ fn hit_files_hold_the_hits_of_ray_files_in_order() {
 
     let (ray_file, hit_file) = (folder.0.join("in.rays"), folder.0.join("out.hits"));
     write_rays(&ray_file, &rays).unwrap();
-    for (mode, threads) in [("scalar", "1"), ("packet", "2"), ("auto", "0")] {
+    for (mode, threads) in [("scalar", "1"), ("single", "2"), ("packet", "2"), ("auto", "0")] {
         let json = succeeds(
             &[
                 &["trace", "room:small", "--rays", text(&ray_file), "--hits", text(&hit_file), "--json"][..],
@@ -154,11 +160,28 @@ fn hit_files_hold_the_hits_of_ray_files_in_order() {
         for key in ["mrays_per_second", "build_seconds", "bytes_per_triangle"] {
             assert!(result[key].as_f64().unwrap() > 0.0, "{key}: {result}");
         }
-        assert!(result["threads"].as_u64().unwrap() >= 1 && result["mode"].is_string());
+        assert!(result["threads"].as_u64().unwrap() >= 1);
+        assert_eq!(result["mode"], mode, "the mode that was asked for, also where it chooses another");
 
         let bytes = fs::read(&hit_file).unwrap();
         let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<_>>();
         assert_eq!(words.as_chunks::<4>().0, expected.iter().map(four_words).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn the_default_is_watertight_and_chooses_its_mode() {
+    let traced = |arguments: &[&str]| -> serde_json::Value {
+        let common = ["trace", "sphere:small", "--size", "32x32", "--repeat", "1", "--json"];
+        serde_json::from_str(&succeeds(&[&common, arguments].concat())).unwrap()
+    };
+    let result = traced(&[]);
+    assert_eq!((&result["kernel"], &result["mode"]), (&"triangle/woop".into(), &"auto".into()));
+    assert_eq!(result["checksum"], traced(&["--kernel", "triangle/woop", "--mode", "scalar"])["checksum"]);
+    // The terminal tells what JSON does.
+    let text = succeeds(&["trace", "sphere:small", "--size", "32x32", "--repeat", "1"]);
+    for word in ["built in", "MB", "kernel triangle/woop, mode auto"] {
+        assert!(text.contains(word), "{text}");
     }
 }
 
@@ -196,7 +219,10 @@ fn pictures_have_the_size_that_was_asked_for() {
         succeeds(&["render", "room:small", "--size", "37x21", "--mode", mode, "--threads", threads, "-o", text(&out)]);
         fs::read(out).unwrap()
     };
-    assert_eq!(same("scalar", "1"), same("packet", "2"));
+    let scalar = same("scalar", "1");
+    for (mode, threads) in [("single", "2"), ("packet", "2"), ("auto", "0")] {
+        assert!(same(mode, threads) == scalar, "{mode}");
+    }
 }
 
 #[test]

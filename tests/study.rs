@@ -7,10 +7,12 @@ use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
 use raylanes::study::accuracy::Kernels;
 use raylanes::study::claims;
-use raylanes::study::record::{AccuracyRow, ClaimRow, Record};
+use raylanes::study::coherence::JITTERS;
+use raylanes::study::ray_sets;
+use raylanes::study::record::{AccuracyRow, ClaimRow, CoherenceRow, Record};
 use raylanes::study::workload::{Regime, Subject, Workload};
 use raylanes::study::{self, Options};
-use raylanes::tracer::SceneSource;
+use raylanes::tracer::{Mode, SceneSource};
 
 #[derive(Default)]
 struct Ids(BTreeSet<String>);
@@ -49,7 +51,8 @@ fn extent_of(title: &str) -> [usize; 2] {
 #[test]
 fn every_kernel_is_measured_and_charted() {
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
-    let record = study::run(&Options { scenes, quick: true, seed: 1 }).unwrap();
+    let options = Options { scenes, quick: true, large: false, seed: 1, peers: cfg!(feature = "peers") };
+    let record = study::run(&options).unwrap();
     let mut ids = Ids::default();
     registry::all(&mut ids);
     for id in &ids.0 {
@@ -81,19 +84,48 @@ fn every_kernel_is_measured_and_charted() {
     assert!(record.speed.iter().all(|row| row.ns_per_test > 0.0 && row.ns_per_test.is_finite()));
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
     assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
-    // Four sets of rays, four modes, one and two threads.
-    assert_eq!(record.tracer.len(), 32);
+    tracer_is_measured(&record);
+    // The same rays, our modes, and seven configurations of three crates.
+    assert_eq!(record.peers.len(), if cfg!(feature = "peers") { 4 * (4 + 7) } else { 0 });
 
     let folder = std::env::temp_dir().join(format!("raylanes-study-{}", std::process::id()));
     study::write(&record, &folder).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     assert!(serde_json::from_str::<Record>(&read("results.json")).unwrap() == record, "JSON loses something");
     let (report, chart) = (read("report.md"), read("speed-accuracy.svg"));
+    assert_eq!(report.contains("\n## Peers\n"), cfg!(feature = "peers"));
     for id in &ids.0 {
         assert!(report.contains(id.as_str()), "{id} is not in the report");
         assert!(chart.contains(id.rsplit('/').next().unwrap()), "{id} is not in the chart");
     }
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Every way of tracing the one scene, the same rays ever less alike, and ever more triangles.
+fn tracer_is_measured(record: &Record) {
+    // Four sets of rays, four modes, one and two threads.
+    assert_eq!(record.tracer.len(), 32);
+    assert!(record.tracer.iter().all(|row| row.kernel == "triangle/woop" && row.mrays_per_second > 0.0));
+    let sums = |sum: fn(&CoherenceRow) -> &str, scene: &str, jitter: f64| {
+        let rows = record.coherence.iter().filter(|row| row.scene == scene && row.jitter == jitter);
+        rows.map(|row| sum(row).to_owned()).collect::<Vec<_>>()
+    };
+    for scene in ["terrain:1e3", "room:small"] {
+        let mut checksums = BTreeSet::new();
+        for jitter in JITTERS {
+            assert_eq!(sums(|row| &row.mode, scene, jitter), Mode::ALL.map(Mode::name), "{scene} {jitter}");
+            let of_modes = sums(|row| &row.checksum, scene, jitter);
+            assert!(of_modes.iter().all(|sum| *sum == of_modes[0]), "{scene} {jitter}");
+            checksums.extend(of_modes);
+        }
+        assert_eq!(checksums.len(), JITTERS.len(), "{scene}: other rays have other hits");
+    }
+    assert_eq!(record.coherence.len(), 2 * JITTERS.len() * Mode::ALL.len());
+    assert!(record.coherence.iter().all(|row| row.ray_count == 64 * 64 && row.lanes <= 8 * row.tests));
+    let sizes: Vec<_> = record.scaling.iter().map(|row| (row.scene.as_str(), row.rays.as_str())).collect();
+    let expected = ["terrain:1e3", "terrain:1e4"].map(|scene| ray_sets::NAMES.map(|rays| (scene, rays)));
+    assert_eq!(sizes, expected.concat());
+    assert!(record.scaling.iter().all(|row| row.ns_per_ray > 0.0 && row.hits > 0 && row.bytes_per_triangle > 0.0));
 }
 
 /// Holds the kernels of a shape to their claims, and sees every other kernel break them: a promise that everyone could

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::record::{AccuracyRow, KernelRow, Record, RegimeRow, SpeedRow, TracerRow};
+use super::record::{AccuracyRow, KernelRow, Record, RegimeRow, SpeedRow};
 
 /// Printed where the record has no figure.
 pub(super) const MISSING: &str = "–";
@@ -407,37 +407,6 @@ pub(super) fn times(ratio: Option<f64>) -> String {
 /// The numbers of threads that occur, ascending.
 pub(super) fn thread_counts(threads: impl Iterator<Item = usize>) -> BTreeSet<usize> {
     threads.collect()
-}
-
-/// The rows of the tracer, those of one scene, kind of ray and kernel together; none of the lists is empty.
-pub(super) fn tracer_rows(record: &Record) -> Vec<Vec<&TracerRow>> {
-    let key = |row: &TracerRow| [&row.scene, &row.rays, &row.kernel].map(String::clone);
-    let mut lists: Vec<Vec<&TracerRow>> = Vec::new();
-    for row in &record.tracer {
-        match lists.iter_mut().find(|list| key(list[0]) == key(row)) {
-            Some(list) => list.push(row),
-            None => lists.push(vec![row]),
-        }
-    }
-    lists
-}
-
-/// The heads of [`tracer_cells`].
-pub(super) fn tracer_header(threads: &BTreeSet<usize>) -> impl Iterator<Item = Cell> {
-    let heads = |threads| [format!("scalar {threads}T"), format!("packet {threads}T"), "ratio".to_owned()];
-    threads.iter().flat_map(heads).map(Cell::from)
-}
-
-/// Million rays per second of scalar and packet mode and their ratio, for each number of threads.
-pub(super) fn tracer_cells(rows: &[&TracerRow], threads: &BTreeSet<usize>) -> impl Iterator<Item = Cell> {
-    let speed = |mode: &str, threads| {
-        rows.iter().find(|row| row.mode == mode && row.threads == threads).map(|row| row.mrays_per_second)
-    };
-    threads.iter().flat_map(move |&threads| {
-        let [scalar, packet] = ["scalar", "packet"].map(|mode| speed(mode, threads));
-        let ratio = packet.zip(scalar).map(|(packet, scalar)| packet / scalar);
-        [optional(scalar, 3), optional(packet, 3), times(ratio)].map(Cell::from)
-    })
 }
 
 /// A cell, and whether it stands out.

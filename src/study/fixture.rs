@@ -1,9 +1,13 @@
 //! Made-up records for the tests of tables, charts and report: plausible figures, with zeros, gaps and missing cells.
 
+use super::peers::{Disagreements, EMBREE, OURS};
 use super::record::{
-    AbsentRow, AccuracyRow, ClaimRow, KernelRow, Machine, MapCells, MapRow, Record, RegimeRow, SCHEMA, SpeedRow,
-    TracerRow,
+    AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, KernelRow, Machine, MapCells, MapRow, PeerRow, Record, RegimeRow,
+    SCHEMA, ScalingRow, SpeedRow, TracerRow,
 };
+use super::stats::{mad, median};
+use super::{coherence, ray_sets};
+use crate::tracer::Mode;
 
 const TRIANGLES: [&str; 9] = [
     "cramer",
@@ -66,30 +70,126 @@ pub(super) fn record_of(ids: &[String]) -> Record {
         claims: Vec::new(),
         maps: maps(),
         map_cells: Vec::new(),
-        tracer: Vec::new(),
+        tracer: tracer_rows(),
+        coherence: ["terrain:1e5", "room"].into_iter().flat_map(coherence_rows).collect(),
+        scaling: scaling_rows(),
+        peers: vec![
+            peer_row(OURS, "scalar", 1, &[2.4, 2.5, 2.6]),
+            peer_row(OURS, "auto", 1, &[20.0, 21.0, 23.0]),
+            peer_row(EMBREE, "robust, medium, 1 ray", 1, &[10.0, 11.0, 11.5]),
+        ],
     };
     for (i, id) in ids.iter().enumerate() {
         add_kernel(&mut record, i, id);
     }
-    for (mode, threads, mrays) in [("scalar", 1, 2.5), ("packet", 1, 7.25), ("scalar", 2, 4.9), ("packet", 2, 14.1)] {
-        record.tracer.push(TracerRow {
-            scene: "spheres".into(),
-            triangles: 81_920,
-            instances: 3,
-            rays: "primary".into(),
-            ray_count: 1_048_576,
-            hits: 700_000,
-            mode: mode.into(),
-            kernel: "triangle/moller_trumbore".into(),
-            threads,
-            mrays_per_second: mrays,
-            mrays_per_second_mad: 0.05,
-            build_seconds: 0.21,
-            bytes_per_triangle: 132.5,
-            checksum: "7357c0de".into(),
-        });
-    }
     record
+}
+
+/// Two scenes, in which packets gain much, less, and nothing.
+fn tracer_rows() -> Vec<TracerRow> {
+    let mut rows = Vec::new();
+    for (scene, triangles, instances, slowness) in [("spheres", 81_920, 3, 1.0), ("forest:10000", 214_000, 10_001, 2.5)]
+    {
+        for (rays, gain) in ray_sets::NAMES.into_iter().zip([2.9, 2.5, 0.4, 0.9]) {
+            for (mode, mrays) in Mode::ALL.into_iter().zip([2.5, 6.25, 6.25 * gain, 6.2 * f64::max(gain, 1.0)]) {
+                for threads in [1, 2] {
+                    let mrays_per_second = mrays / slowness * if threads == 1 { 1.0 } else { 1.93 };
+                    rows.push(TracerRow {
+                        scene: scene.into(),
+                        triangles,
+                        instances,
+                        rays: rays.into(),
+                        ray_count: 1_048_576,
+                        hits: 700_000,
+                        mode: mode.name().into(),
+                        kernel: "triangle/woop".into(),
+                        threads,
+                        mrays_per_second,
+                        mrays_per_second_mad: 0.01 * mrays_per_second,
+                        build_seconds: 0.21,
+                        bytes_per_triangle: 132.5,
+                        checksum: "7357c0de".into(),
+                    });
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// Packets are fast until their rays part, about where the jitter is 0.1, and then slower than single rays; scalar rays are
+/// not counted.
+fn coherence_rows(scene: &str) -> Vec<CoherenceRow> {
+    let row = |(mode, jitter): (Mode, f64)| {
+        let parted = (jitter / 0.1).min(4.0);
+        let (mrays_per_second, nodes, tests, met) = match mode {
+            Mode::Scalar => (2.5 - 0.2 * parted, 0, 0, 0.0),
+            Mode::Single => (7.0 - 0.5 * parted, 12_000_000, 4_000_000, 0.6),
+            Mode::Packet => (20.0 / (1.0 + 2.0 * parted), 2_000_000, 8_000_000, 0.9 / (1.0 + parted)),
+            Mode::Auto => ((20.0 / (1.0 + 2.0 * parted)).max(6.8 - 0.5 * parted), 3_000_000, 7_000_000, 0.7),
+        };
+        CoherenceRow {
+            scene: scene.into(),
+            jitter,
+            mode: mode.name().into(),
+            kernel: "triangle/woop".into(),
+            ray_count: 1_048_576,
+            mrays_per_second,
+            mrays_per_second_mad: 0.01 * mrays_per_second,
+            nodes,
+            leaves: nodes / 3,
+            tests,
+            lanes: (8.0 * met * tests as f64) as u64,
+            checksum: format!("{:x}", jitter.to_bits()),
+        }
+    };
+    coherence::JITTERS.into_iter().flat_map(|jitter| Mode::ALL.map(|mode| (mode, jitter))).map(row).collect()
+}
+
+fn scaling_rows() -> Vec<ScalingRow> {
+    let sizes = [("terrain:1e4", 10_082), ("terrain:1e5", 100_352), ("terrain:1e6", 1_000_000)];
+    let row = |(step, scene, triangles, rays, ns): (usize, &str, usize, &str, f64)| ScalingRow {
+        scene: scene.into(),
+        triangles,
+        rays: rays.into(),
+        ray_count: 262_144,
+        hits: 200_000,
+        kernel: "triangle/woop".into(),
+        ns_per_ray: ns * 1.25f64.powi(step as i32),
+        ns_per_ray_mad: 0.01 * ns,
+        build_seconds: 3e-7 * triangles as f64,
+        bytes_per_triangle: 180.0 - step as f64,
+        checksum: format!("{triangles:x}"),
+    };
+    let cells = sizes.into_iter().enumerate().flat_map(|(step, (scene, triangles))| {
+        ray_sets::NAMES
+            .into_iter()
+            .zip([40.0, 50.0, 180.0, 120.0])
+            .map(move |(rays, ns)| (step, scene, triangles, rays, ns))
+    });
+    cells.map(row).collect()
+}
+
+/// A configuration of a tracer, with the throughput of its rounds.
+pub(super) fn peer_row(tracer: &str, configuration: &str, threads: usize, mrays: &[f64]) -> PeerRow {
+    PeerRow {
+        scene: "spheres".into(),
+        triangles: 81_920,
+        rays: "primary".into(),
+        ray_count: 1_048_576,
+        hits: 700_000,
+        tracer: tracer.into(),
+        configuration: configuration.into(),
+        watertight: false,
+        threads,
+        mrays_per_second: median(mrays),
+        mrays_per_second_mad: mad(mrays),
+        mrays_of_rounds: mrays.to_vec(),
+        disagreements: Disagreements { only_first: 1, only_second: 2, ties: 30, other_primitive: 4 },
+        build_seconds: 0.21,
+        bytes_per_triangle: None,
+        checksum: "7357c0de".into(),
+    }
 }
 
 /// No rows but those of the kernels, regimes and maps; rows of zeros; and nothing at all.
@@ -99,7 +199,7 @@ pub(super) fn degenerate_records() -> [Record; 3] {
     bare.accuracy.clear();
     bare.claims.clear();
     bare.map_cells.clear();
-    bare.tracer.clear();
+    clear_tracer(&mut bare);
     let mut zeros = record_of(&all_ids());
     for row in &mut zeros.speed {
         (row.ns_per_test, row.ns_per_test_mad, row.tests_per_second) = (0.0, 0.0, f64::INFINITY);
@@ -109,6 +209,16 @@ pub(super) fn degenerate_records() -> [Record; 3] {
     }
     for row in &mut zeros.claims {
         (row.violations, row.of) = (0, 0);
+    }
+    for row in &mut zeros.tracer {
+        (row.mrays_per_second, row.mrays_per_second_mad, row.build_seconds, row.ray_count) = (0.0, 0.0, 0.0, 0);
+    }
+    for row in &mut zeros.coherence {
+        (row.mrays_per_second, row.mrays_per_second_mad, row.ray_count) = (0.0, 0.0, 0);
+        (row.nodes, row.leaves, row.tests, row.lanes) = (0, 0, 0, 0);
+    }
+    for row in &mut zeros.scaling {
+        (row.ns_per_ray, row.ns_per_ray_mad, row.build_seconds, row.triangles, row.ray_count) = (0.0, 0.0, 0.0, 0, 0);
     }
     for map in &mut zeros.maps {
         (map.x, map.y, map.hits) = (vec![1.0], Vec::new(), Vec::new());
@@ -120,8 +230,15 @@ pub(super) fn degenerate_records() -> [Record; 3] {
     empty.absent.clear();
     empty.regimes.clear();
     empty.maps.clear();
-    empty.tracer.clear();
+    clear_tracer(&mut empty);
     [bare, zeros, empty]
+}
+
+fn clear_tracer(record: &mut Record) {
+    record.tracer.clear();
+    record.coherence.clear();
+    record.scaling.clear();
+    record.peers.clear();
 }
 
 fn regimes() -> Vec<RegimeRow> {

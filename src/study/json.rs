@@ -105,10 +105,10 @@ mod tests {
     #[test]
     fn a_record_survives_with_one_row_per_line() {
         let mut record = record_of(&all_ids());
-        record.tracer.clear();
+        record.peers.clear();
         let text = String::from_utf8(one_row_per_line(&record).unwrap()).unwrap();
         assert!(serde_json::from_str::<Record>(&text).unwrap() == record);
-        assert!(text.contains("\n  \"tracer\": []\n}\n"), "an empty list stays on its line");
+        assert!(text.contains("\n  \"peers\": []\n}\n"), "an empty list stays on its line");
         for row in &record.accuracy {
             let start = format!("\n    {{\"id\": \"{}\", \"workload\": \"{}\", ", row.id, row.workload);
             assert!(text.contains(&start), "{start}");
@@ -119,6 +119,7 @@ mod tests {
         };
         assert_eq!(rows("accuracy"), record.accuracy.len());
         assert_eq!(rows("map_cells"), record.map_cells.len());
+        assert_eq!(rows("coherence"), record.coherence.len());
         assert!(text.starts_with(&format!("{{\n  \"schema\": {},\n", record.schema)));
     }
 }

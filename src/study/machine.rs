@@ -5,6 +5,9 @@ use super::record::Machine;
 /// Crates whose code is inside what is measured.
 const MEASURED: [&str; 5] = ["glam", "wide", "obvhs", "rayon", "dashu-int"];
 
+/// Crates that others' tracers come from, beside those.
+pub(crate) const PEERS: [&str; 2] = ["bvh", "parry3d"];
+
 /// Describes this machine and this build.
 pub(crate) fn describe() -> Machine {
     let mut target_features: Vec<_> =
@@ -17,8 +20,22 @@ pub(crate) fn describe() -> Machine {
         target: env!("RAYLANES_TARGET").into(),
         target_features,
         rustc: env!("RAYLANES_RUSTC").into(),
-        versions: versions(include_str!("../../Cargo.lock")),
+        versions: [format!("raylanes {}", env!("CARGO_PKG_VERSION"))].into_iter().chain(versions(&MEASURED)).collect(),
     }
+}
+
+/// `name version` of crates, from the lock file that the program was built with.
+pub(crate) fn versions(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| version(include_str!("../../Cargo.lock"), name)).collect()
+}
+
+/// Bytes of the greatest cache of the first processor, where the system tells them.
+pub(crate) fn cache_bytes() -> Option<u64> {
+    let size = |index| {
+        let text = std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index{index}/size")).ok()?;
+        text.trim().strip_suffix('K')?.parse::<u64>().ok()
+    };
+    (0..8).filter_map(size).max().map(|kilobytes| kilobytes * 1024)
 }
 
 /// The processor's name, with family and model number where the system tells them: virtual machines shorten the name.
@@ -37,15 +54,14 @@ fn cpu() -> String {
     }
 }
 
-/// `name version` of this crate and of the measured ones, from the lock file the program was built with.
-fn versions(lock: &str) -> Vec<String> {
-    let mut versions = vec![format!("raylanes {}", env!("CARGO_PKG_VERSION"))];
-    for name in MEASURED {
-        let package = lock.split("[[package]]").find(|package| package.contains(&format!("name = \"{name}\"\n")));
-        let version = package.and_then(|package| package.split("version = \"").nth(1)?.split('"').next());
-        versions.push(format!("{name} {}", version.unwrap_or("unknown")));
-    }
-    versions
+fn version(lock: &str, name: &str) -> String {
+    let package = |name: &str| lock.split("[[package]]").find(|text| text.contains(&format!("\nname = \"{name}\"\n")));
+    // Of a crate that others need in other versions, ours is the one that stands in our list of dependencies.
+    let start = format!("\"{name} ");
+    let ours = package(env!("CARGO_PKG_NAME")).and_then(|text| text.split(&start).nth(1));
+    let only = || package(name)?.split("version = \"").nth(1);
+    let version = ours.or_else(only).and_then(|text| text.split('"').next());
+    format!("{name} {}", version.unwrap_or("unknown"))
 }
 
 /// One line of advice where the build leaves speed on the table, else `None`.
@@ -66,9 +82,13 @@ mod tests {
 
     #[test]
     fn versions_come_from_the_lock_file() {
-        let lock =
-            "[[package]]\nname = \"glam\"\nversion = \"1.2.3\"\n\n[[package]]\nname = \"wide\"\nversion = \"4.5.6\"\n";
-        assert_eq!(versions(lock)[1..4], ["glam 1.2.3", "wide 4.5.6", "obvhs unknown"]);
-        assert!(describe().versions.iter().all(|version| !version.ends_with("unknown")), "{:?}", describe());
+        let package =
+            |name: &str, version: &str| format!("[[package]]\nname = \"{name}\"\nversion = \"{version}\"\n\n");
+        let lock = [package("glam", "1.1.0"), package("glam", "1.2.3"), package("wide", "4.5.6")].concat()
+            + "[[package]]\nname = \"raylanes\"\ndependencies = [\n \"glam 1.2.3\",\n \"wide\",\n]\n";
+        let found = ["glam", "wide", "obvhs"].map(|name| version(&lock, name));
+        assert_eq!(found, ["glam 1.2.3", "wide 4.5.6", "obvhs unknown"]);
+        let all = [describe().versions, versions(&PEERS)].concat();
+        assert!(all.len() > 7 && all.iter().all(|version| !version.ends_with("unknown")), "{all:?}");
     }
 }

@@ -3,6 +3,7 @@
 pub mod accuracy;
 mod chart;
 pub mod claims;
+pub mod coherence;
 mod failures;
 mod figures;
 #[cfg(test)]
@@ -10,12 +11,16 @@ mod fixture;
 mod frames;
 mod json;
 mod machine;
+pub mod peers;
 pub mod ray_sets;
 pub mod record;
 mod report;
+mod scaling;
 pub mod speed;
 mod stats;
 mod table;
+mod timing;
+mod tracing;
 pub mod workload;
 
 use std::ops::Range;
@@ -25,6 +30,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::geom::{Aabb, Placed, Quadric, Triangle};
+use crate::kernels::triangle::Woop;
 use crate::registry;
 use crate::tracer::{Error, SceneSource, write_atomically};
 use accuracy::Kernels;
@@ -35,6 +41,10 @@ pub use machine::build_warning;
 pub use stats::median;
 pub use table::terminal_table;
 
+/// What the tracer is measured with, and traces with where nothing else is asked for: a kernel that leaks is no base for
+/// comparing tracers.
+pub type TracerKernel = Woop<f32>;
+
 /// What to measure, and how much of it.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -42,8 +52,12 @@ pub struct Options {
     pub scenes: Vec<SceneSource>,
     /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.
     pub quick: bool,
+    /// One size more where cost is measured against size, of ten million triangles: takes several gigabytes.
+    pub large: bool,
     /// What all random inputs derive from.
     pub seed: u64,
+    /// Whether to trace the scenes with the peers too; needs the feature of that name.
+    pub peers: bool,
 }
 
 impl Options {
@@ -89,7 +103,9 @@ impl Progress {
 
 /// Shares of the whole that are done when each part ends.
 const SPEED_DONE: f64 = 0.35;
-const ACCURACY_DONE: f64 = 0.7;
+const ACCURACY_DONE: f64 = 0.65;
+const SCENES_DONE: f64 = 0.88;
+const COHERENCE_DONE: f64 = 0.95;
 
 /// Runs the study.
 ///
@@ -125,11 +141,21 @@ pub fn run(options: &Options) -> Result<Record, Error> {
     accuracy.of::<Placed<Quadric>>(0.92..1.0);
 
     let mut tracer = Vec::new();
-    let (size, samples) = if options.quick { (128, 3) } else { (512, 9) };
+    let (size, samples) = if options.quick { (128, 3) } else { (384, 5) };
     for (index, scene) in options.scenes.iter().enumerate() {
         let share = index as f64 / options.scenes.len() as f64;
-        progress.reach(ACCURACY_DONE + (1.0 - ACCURACY_DONE) * share);
+        progress.reach(ACCURACY_DONE + (SCENES_DONE - ACCURACY_DONE) * share);
         tracer.extend(frames::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
+    }
+    progress.reach(SCENES_DONE);
+    let coherence = coherence::measure(options.quick, options.seed, &progress)?;
+    progress.reach(COHERENCE_DONE);
+    let extent = scaling::Extent { quick: options.quick, large: options.large };
+    let scaling = scaling::measure(extent, options.seed, &progress)?;
+    let mut peer_rows = Vec::new();
+    for scene in options.scenes.iter().filter(|_| options.peers) {
+        progress.note(&format!("{}: peers", scene.name()));
+        peer_rows.extend(peers::compare(scene, size, options.seed, samples)?);
     }
     progress.bar.finish_and_clear();
     Ok(Record {
@@ -138,7 +164,7 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         seconds: clock.elapsed().as_secs_f64(),
         quick: options.quick,
         seed: options.seed,
-        machine: machine::describe(),
+        machine: if options.peers { peers::machine() } else { machine::describe() },
         kernels: speed.kernels,
         absent: registry::absent()
             .iter()
@@ -151,6 +177,9 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         maps: accuracy.maps,
         map_cells: accuracy.map_cells,
         tracer,
+        coherence,
+        scaling,
+        peers: peer_rows,
     })
 }
 

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::peers::Disagreements;
+
 /// Version of the layout below; raised when a field changes its meaning.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// One study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,6 +41,38 @@ pub struct Record {
     pub map_cells: Vec<MapCells>,
     /// Scene × rays × mode × threads.
     pub tracer: Vec<TracerRow>,
+    /// Scene × jitter × mode: the tracer on rays that have ever less in common.
+    pub coherence: Vec<CoherenceRow>,
+    /// Scene × rays: the tracer on ever more triangles.
+    pub scaling: Vec<ScalingRow>,
+    /// Scene × rays × configuration of a tracer, ours or a peer, × threads; empty unless peers were asked for.
+    #[serde(default)]
+    pub peers: Vec<PeerRow>,
+}
+
+/// A comparison with peers: `peers.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeersRecord {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// When it began, in seconds since 1970-01-01 UTC.
+    pub started_unix: u64,
+    /// How long it took, in seconds.
+    pub seconds: f64,
+    /// Where it ran, how it was built, and versions of all that took part.
+    pub machine: Machine,
+    /// Width and height of the picture whose rays were traced.
+    pub size: u32,
+    /// Rounds, after a warm-up.
+    pub rounds: usize,
+    /// What bounce and occlusion rays derive from.
+    pub seed: u64,
+    /// Our triangle kernel.
+    pub kernel: String,
+    /// Scene × rays × configuration × threads.
+    pub peers: Vec<PeerRow>,
+    /// The targets, judged.
+    pub targets: Vec<TargetRow>,
 }
 
 /// The machine and the build.
@@ -262,4 +296,124 @@ pub struct TracerRow {
     pub bytes_per_triangle: f64,
     /// Hash over the bits of every hit; equal for all modes and thread counts, or the study fails.
     pub checksum: String,
+}
+
+/// Throughput of the tracer on rays of a picture that were turned at random, closest hit, one thread; and what it took, in
+/// a run that was not timed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoherenceRow {
+    /// Scene name.
+    pub scene: String,
+    /// How far rays were turned, from 0 to 1: [`JITTERS`](super::coherence::JITTERS).
+    pub jitter: f64,
+    /// `scalar`, `single`, `packet` or `auto`.
+    pub mode: String,
+    /// Kernel ID.
+    pub kernel: String,
+    /// Number of rays.
+    pub ray_count: u64,
+    /// Million rays per second: median of the samples.
+    pub mrays_per_second: f64,
+    /// Median absolute deviation of the samples.
+    pub mrays_per_second_mad: f64,
+    /// Nodes visited, all rays together; a packet's visit counts once. Zero, like the next three, in modes that do not count.
+    pub nodes: u64,
+    /// Leaves visited, likewise.
+    pub leaves: u64,
+    /// Eight-wide triangle tests.
+    pub tests: u64,
+    /// Lanes of these tests in which a ray that is still looking met a triangle; at most eight times as many.
+    pub lanes: u64,
+    /// Hash over the bits of every hit; equal for all modes, or the study fails.
+    pub checksum: String,
+}
+
+/// Cost of a ray in a scene that comes in several sizes, mode auto, one thread.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScalingRow {
+    /// Scene name.
+    pub scene: String,
+    /// Triangles in it.
+    pub triangles: usize,
+    /// As in [`TracerRow::rays`].
+    pub rays: String,
+    /// Number of rays.
+    pub ray_count: usize,
+    /// Rays that hit.
+    pub hits: usize,
+    /// Kernel ID.
+    pub kernel: String,
+    /// Wall nanoseconds per ray: median of the samples.
+    pub ns_per_ray: f64,
+    /// Median absolute deviation of the samples.
+    pub ns_per_ray_mad: f64,
+    /// Seconds to build the scene, all threads.
+    pub build_seconds: f64,
+    /// Mesh, prepared triangles and nodes.
+    pub bytes_per_triangle: f64,
+    /// Hash over the bits of every hit.
+    pub checksum: String,
+}
+
+/// Throughput of one configuration of one tracer, ours or a peer, on a scene of triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeerRow {
+    /// Scene name.
+    pub scene: String,
+    /// Triangles in it.
+    pub triangles: usize,
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`: [`ray_sets`](super::ray_sets::ray_sets).
+    pub rays: String,
+    /// Number of rays.
+    pub ray_count: usize,
+    /// Rays that it reports to hit.
+    pub hits: usize,
+    /// `raylanes`, or the name of a crate or library.
+    pub tracer: String,
+    /// Ours: the mode. Others: tree, build and calls.
+    pub configuration: String,
+    /// Whether it promises that no ray slips through between triangles that share an edge.
+    pub watertight: bool,
+    /// Threads.
+    pub threads: usize,
+    /// Million rays per second: median of the rounds.
+    pub mrays_per_second: f64,
+    /// Median absolute deviation of the rounds.
+    pub mrays_per_second_mad: f64,
+    /// Million rays per second in each round. In a round every configuration had its turn: ratios are formed within it.
+    pub mrays_of_rounds: Vec<f64>,
+    /// Rays about which it disagrees with the scalar mode of ours, which is the first.
+    pub disagreements: Disagreements,
+    /// Seconds to build its tree, with as many threads as it can use.
+    pub build_seconds: f64,
+    /// Bytes per triangle of all that it keeps, the mesh included where it needs that; `null` where it cannot be told.
+    pub bytes_per_triangle: Option<f64>,
+    /// Hash over the bits of every hit.
+    pub checksum: String,
+}
+
+/// A ratio to reach or to keep below, and what was measured: of rays per second of our automatic mode over those of a peer, or,
+/// with `most`, of time per ray.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TargetRow {
+    /// Scene name.
+    pub scene: String,
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`.
+    pub rays: String,
+    /// What ours is compared with.
+    pub against: String,
+    /// The one of these that was the fastest; `null` if none took part.
+    pub peer: Option<String>,
+    /// The ratio must not be less.
+    pub least: Option<f64>,
+    /// The ratio must not be greater.
+    pub most: Option<f64>,
+    /// What is aimed at beyond that.
+    pub aim: Option<f64>,
+    /// Median of the ratios of all rounds; `null` if no peer took part.
+    pub ratio: Option<f64>,
+    /// Their median absolute deviation.
+    pub ratio_mad: Option<f64>,
+    /// Whether the ratio keeps to its bound; `null` where it does not apply.
+    pub met: Option<bool>,
 }

@@ -1,10 +1,8 @@
 //! The record as text for a terminal.
 
-use super::figures::{
-    Cell, Figures, Grid, MISSING, count, groups, optional, severity, thread_counts, times, tracer_cells, tracer_header,
-    tracer_rows,
-};
+use super::figures::{Cell, Figures, Grid, MISSING, count, groups, number, optional, severity, thread_counts, times};
 use super::record::Record;
+use super::tracing::{Traced, modes};
 
 /// The record in at most 110 columns for IDs of the usual length; `color` adds ANSI colours: the best of its group
 /// green, lost rays red.
@@ -19,7 +17,8 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
     if !record.tracer.is_empty() {
         text += "\n";
         text += &tracer_grid(record).terminal(color);
-        text += "\nscalar, packet: million rays per second, by number of threads.\n";
+        text += "\nscalar, single, packet, auto: million rays per second, by number of threads. choice: auto over the faster of\n\
+                 single and packet. gain: auto over scalar. scaling: auto with several threads over one.\n";
     }
     text
 }
@@ -74,14 +73,41 @@ fn kernel_grid(record: &Record) -> Grid {
 }
 
 fn tracer_grid(record: &Record) -> Grid {
-    let threads = thread_counts(record.tracer.iter().map(|row| row.threads));
-    let mut grid = Grid::new(3, ["scene", "rays", "kernel"]);
-    grid.header.extend(tracer_header(&threads));
-    for rows in tracer_rows(record) {
-        let first = rows[0];
-        let mut cells = [&first.scene, &first.rays, &first.kernel].map(|text| Cell::from(text.as_str())).to_vec();
-        cells.extend(tracer_cells(&rows, &threads));
-        grid.rows.push(cells);
+    let threads = thread_counts(record.tracer.iter().map(|row| row.threads).filter(|&threads| threads > 1));
+    let mut grid = Grid::new(1, ["scene, rays"]);
+    grid.header.extend(modes().map(|mode| Cell::from(format!("{mode} 1T"))));
+    grid.header.extend(["choice", "gain"].map(Cell::from));
+    for threads in &threads {
+        grid.header.extend([format!("auto {threads}T"), format!("scaling {threads}T")].map(Cell::from));
+    }
+    let mut heading = String::new();
+    for traced in Traced::all(record) {
+        let first = traced.first;
+        let scene = format!(
+            "{}: {} primitives, {} instances, built in {} s, {} bytes per primitive, {}",
+            first.scene,
+            count(first.triangles as u64),
+            count(first.instances as u64),
+            number(first.build_seconds, 2),
+            number(first.bytes_per_triangle, 3),
+            first.kernel
+        );
+        if scene != heading {
+            grid.rows.push(vec![Cell::from(scene.as_str())]);
+            heading = scene;
+        }
+        let best = traced.fastest(&modes());
+        let mut row = vec![Cell::from(format!("  {}", first.rays))];
+        row.extend(modes().map(|mode| {
+            let mrays = traced.mrays(mode, 1);
+            Cell::from(optional(mrays, 3)).best_if(mrays.is_some() && mrays == best)
+        }));
+        row.extend([traced.choice(), traced.gain()].map(|ratio| Cell::from(times(ratio))));
+        for &threads in &threads {
+            let scaling = traced.scaling("auto", threads).map(|ratio| ratio.value);
+            row.extend([optional(traced.mrays("auto", threads), 3), times(scaling)].map(Cell::from));
+        }
+        grid.rows.push(row);
     }
     grid
 }

@@ -7,10 +7,10 @@ use super::Mesh;
 use super::block::{self, Block, PACKETS};
 use super::box_rule::Span;
 use super::bvh::{Bvh, Child, Leaf};
-use super::packet::{self, PacketRays, only, sides};
+use super::packet::{self, Groups, PacketRays, only, sides};
 use super::scalar;
 use super::single::{self, SingleRay};
-use super::stack::Stack;
+use super::stack::Places;
 use super::tally::Tally;
 use crate::geom::lanes::{self, eq8, lt8};
 use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
@@ -33,15 +33,20 @@ pub(super) struct MeshTree<K: Kernel> {
 /// Stacks for every way of walking, to be used again and again.
 #[derive(Debug)]
 pub(super) struct Stacks {
-    pub(super) scalar: Stack<scalar::Visit>,
-    pub(super) single: Stack<single::Visit>,
-    pub(super) packet: Stack<packet::Visit>,
-    pub(super) block: Stack<block::Visit>,
+    pub(super) scalar: Places<scalar::Visit>,
+    pub(super) single: Places<single::Visit>,
+    pub(super) packet: Places<packet::Visit>,
+    pub(super) block: Places<block::Visit>,
 }
 
 impl Stacks {
-    pub(super) const fn new() -> Self {
-        Self { scalar: Stack::new(), single: Stack::new(), packet: Stack::new(), block: Stack::new() }
+    pub(super) fn new() -> Self {
+        Self {
+            scalar: Places::new(scalar::ANYTHING),
+            single: Places::new(single::ANYTHING),
+            packet: Places::new(packet::ANYTHING),
+            block: Places::new(block::ANYTHING),
+        }
     }
 }
 
@@ -197,13 +202,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         let setup = Setup::<K, f32x8>::of(ray);
         let rays = PacketRays::of(ray, &setup.slabs, &self.bvh.bounds);
         let limit = lanes::min8(best.t, setup.slabs.t_max);
-        let mut search = Search { tree: self, ray, setup, limit, best, found: Mask8::none(), stack: single, tally };
-        packet::by_octant(&rays, lanes::le8(setup.slabs.t_min, limit), |together| match together {
-            packet::Together::Lanes { octant, lanes } => {
-                self.bvh.walk_packet::<ANY>(&rays, octant, lanes, packet, &mut search);
+        let mut search = Search { tree: self, ray, setup, limit, best, found: Mask8::none(), places: single, tally };
+        for together in Groups::new(&rays, lanes::le8(setup.slabs.t_min, limit)) {
+            match together {
+                packet::Together::Lanes { octant, lanes } => {
+                    self.bvh.walk_packet::<ANY>(&rays, octant, lanes, packet, &mut search);
+                }
+                packet::Together::Lane(lane) => packet::Search::alone(&mut search, self.bvh.root, lane),
             }
-            packet::Together::Lane(lane) => packet::Search::alone(&mut search, self.bvh.root, lane),
-        });
+        }
         search
     }
 
@@ -217,16 +224,16 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &mut T,
     ) -> Option<()> {
         let mut block = Block::of(rays, self.bvh.item_size)?;
-        let mut setups = Setups::new(self, &block);
+        let mut setups = Setups::new(self);
         let mut best = [Hit::<f32x8>::miss(); PACKETS];
         let mut any = false;
         self.bvh.walk_block::<false, T>(&mut block, &mut stacks.block, tally, |leaf, mut packets, block, tally| {
             while packets != 0 {
                 let packet = packets.trailing_zeros() as usize & 7;
                 packets &= packets - 1;
-                let setup = setups.of(packet, block);
-                let (mut limit, mut closer) = (lanes::min8(best[packet].t, setup.kernel.slabs.t_max), false);
-                self.meet(leaf, packet, block, setup, tally, |candidate| {
+                let setup = setups.kernel(packet, block);
+                let (mut limit, mut closer) = (lanes::min8(best[packet].t, setup.slabs.t_max), false);
+                self.meet(leaf, packet, block, &setup, &mut setups, tally, limit, |candidate| {
                     keep_closer8(&mut best[packet], candidate);
                     limit = lanes::min8(best[packet].t, limit);
                     closer = true;
@@ -257,16 +264,16 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &mut T,
     ) -> Option<[Mask8; PACKETS]> {
         let mut block = Block::of(rays, self.bvh.item_size)?;
-        let mut setups = Setups::new(self, &block);
+        let mut setups = Setups::new(self);
         let mut found = [Mask8::none(); PACKETS];
         let nowhere = f32x8::splat(f32::NEG_INFINITY);
         self.bvh.walk_block::<true, T>(&mut block, &mut stacks.block, tally, |leaf, mut packets, block, tally| {
             while packets != 0 {
                 let packet = packets.trailing_zeros() as usize & 7;
                 packets &= packets - 1;
-                let setup = setups.of(packet, block);
-                let (mut limit, mut more) = (found[packet].select(nowhere, setup.kernel.slabs.t_max), false);
-                self.meet(leaf, packet, block, setup, tally, |candidate| {
+                let setup = setups.kernel(packet, block);
+                let (mut limit, mut more) = (found[packet].select(nowhere, setup.slabs.t_max), false);
+                self.meet(leaf, packet, block, &setup, &mut setups, tally, limit, |candidate| {
                     found[packet] = found[packet] | candidate.mask;
                     limit = candidate.mask.select(nowhere, limit);
                     more = true;
@@ -281,32 +288,35 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// Tests the triangles of a leaf whose boxes a packet may hit. Calls `keep` with what counts by the box rule, in at least one
-    /// lane; it returns where the search ends now.
+    /// lane; it returns where the search, which ended at `limit`, ends now.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "one call, taken apart for those who read it")]
     fn meet<T: Tally>(
         &self,
         leaf: usize,
         packet: usize,
         block: &Block,
-        setup: &PacketSetup<K>,
+        setup: &Setup<K, f32x8>,
+        setups: &mut Setups<'_, K>,
         tally: &mut T,
+        mut limit: f32x8,
         mut keep: impl FnMut(&Hit<f32x8>) -> f32x8,
     ) {
         let (content, triangles) = self.leaf(leaf);
         let (ray, side) = (&block.packets[packet], sides(block.octant));
         let mut slots = block.boxes_hit_by(packet, &content.boxes, side);
-        let mut limit = setup.kernel.slabs.t_max;
         while slots != 0 {
             let slot = slots.trailing_zeros() as usize & 7;
             slots &= slots - 1;
             // The interval of rays from different points is wide: one of many triangles that it meets is met by a ray.
-            if !block.one_origin && !setup.rays.enter(&content.boxes, slot, side, limit).1.any() {
+            if !block.one_origin && !setups.rays(packet, block, setup).enter(&content.boxes, slot, side, limit).1.any()
+            {
                 continue;
             }
-            let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel.kernel);
+            let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel);
             tally.test(|| hit.mask.bits().count_ones());
             if hit.mask.any() {
-                limit = keep(&by_box_rule(hit, content, slot, ray, &setup.kernel.slabs));
+                limit = keep(&by_box_rule(hit, content, slot, ray, &setup.slabs));
             }
         }
     }
@@ -358,10 +368,10 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
         &self,
         root: Child,
         best: Hit<f32>,
-        stack: &mut Stack<single::Visit>,
+        places: &mut Places<single::Visit>,
         tally: &mut impl Tally,
     ) -> Hit<f32> {
-        self.tree.bvh.closest_hit_single(root, &self.walk, best, stack, tally, |leaf, best, tally| {
+        self.tree.bvh.closest_hit_single(root, &self.walk, best, places, tally, |leaf, best, tally| {
             let candidates = self.candidates(leaf, tally);
             if candidates.mask.any() {
                 let closest = candidates.closest();
@@ -373,10 +383,10 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
     }
 
     #[inline(always)]
-    fn any_hit(&self, root: Child, stack: &mut Stack<single::Visit>, tally: &mut impl Tally) -> bool {
+    fn any_hit(&self, root: Child, places: &mut Places<single::Visit>, tally: &mut impl Tally) -> bool {
         self.tree
             .bvh
-            .any_hit_single(root, &self.walk, stack, tally, |leaf, tally| self.candidates(leaf, tally).mask.any())
+            .any_hit_single(root, &self.walk, places, tally, |leaf, tally| self.candidates(leaf, tally).mask.any())
     }
 
     /// The triangles of a leaf, by the box rule: where they count, and their `t` at infinity where not.
@@ -410,7 +420,7 @@ struct Search<'a, K: Kernel, T, const ANY: bool> {
     limit: f32x8,
     best: Hit<f32x8>,
     found: Mask8,
-    stack: &'a mut Stack<single::Visit>,
+    places: &'a mut Places<single::Visit>,
     tally: &'a mut T,
 }
 
@@ -419,7 +429,7 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> Search<'_, K, T, AN
     fn keep(&mut self, candidate: &Hit<f32x8>) {
         if ANY {
             self.found = self.found | candidate.mask;
-            self.limit = candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), self.limit);
+            self.limit = candidate.mask.select(f32x8::splat(f32::NAN), self.limit);
         } else {
             keep_closer8(&mut self.best, candidate);
             self.limit = lanes::min8(self.best.t, self.limit);
@@ -455,12 +465,12 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
     fn alone(&mut self, child: Child, lane: usize) {
         let alone = Alone::new(self.tree, &self.ray.lane(lane));
         if ANY {
-            if alone.any_hit(child, self.stack, self.tally) {
+            if alone.any_hit(child, self.places, self.tally) {
                 self.keep(&Hit { mask: only(lane), ..Hit::<f32x8>::miss() });
             }
         } else {
             let before = self.best.lane(lane);
-            let hit = alone.closest_hit(child, before, self.stack, self.tally);
+            let hit = alone.closest_hit(child, before, self.places, self.tally);
             if hit.primitive != before.primitive {
                 self.keep(&in_lane(lane, &hit));
             }
@@ -516,31 +526,27 @@ impl<K: Intersect<f32x8>> Setup<K, f32x8> {
     }
 }
 
-/// The per-ray data of a packet in a block.
-#[derive(Clone, Copy)]
-struct PacketSetup<K: Intersect<f32x8>> {
-    kernel: Setup<K, f32x8>,
-    rays: PacketRays,
-}
-
-/// That of all packets, each computed when it is first asked for: many blocks meet no triangle.
+/// The per-ray data of a block's packets, each computed when it is first asked for: many blocks meet no triangle.
 struct Setups<'a, K: Kernel> {
     tree: &'a MeshTree<K>,
-    setups: [Option<PacketSetup<K>>; PACKETS],
+    kernel: [Option<Setup<K, f32x8>>; PACKETS],
+    rays: [Option<PacketRays>; PACKETS],
 }
 
 impl<'a, K: Kernel<Shape = Triangle>> Setups<'a, K> {
     #[inline(always)]
-    fn new(tree: &'a MeshTree<K>, _: &Block) -> Self {
-        Self { tree, setups: [const { None }; PACKETS] }
+    fn new(tree: &'a MeshTree<K>) -> Self {
+        Self { tree, kernel: [const { None }; PACKETS], rays: [const { None }; PACKETS] }
     }
 
     #[inline(always)]
-    fn of(&mut self, packet: usize, block: &Block) -> &PacketSetup<K> {
-        self.setups[packet].get_or_insert_with(|| {
-            let ray = &block.packets[packet];
-            let kernel = Setup::<K, f32x8>::of(ray);
-            PacketSetup { kernel, rays: PacketRays::of(ray, &kernel.slabs, &self.tree.bvh.bounds) }
-        })
+    fn kernel(&mut self, packet: usize, block: &Block) -> Setup<K, f32x8> {
+        *self.kernel[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(&block.packets[packet]))
+    }
+
+    #[inline(always)]
+    fn rays(&mut self, packet: usize, block: &Block, setup: &Setup<K, f32x8>) -> &PacketRays {
+        self.rays[packet]
+            .get_or_insert_with(|| PacketRays::of(&block.packets[packet], &setup.slabs, &self.tree.bvh.bounds))
     }
 }

@@ -16,6 +16,22 @@
 //! the closest hit is the same for every order of visits, every tree, every packet, every thread count, and for trying
 //! all triangles one by one. And since a miss of a padded box is a proof, the rule only ever removes false hits.
 //!
+//! Nor does it matter by what test a box is culled, as long as that is never stricter than the slab test of the rule. Walks that
+//! test eight boxes at a time use cheaper ones: a fused slab test whose rounding errors are folded into its addends (`single`,
+//! `packet`), and intervals that contain many rays (`block`). The slab test itself only judges candidates.
+//!
+//! # Ways of walking
+//!
+//! | file | rays | against |
+//! | --- | --- | --- |
+//! | `scalar` | one | one box, one triangle: the reference |
+//! | `single` | one | the eight boxes of a node, the up to eight triangles of a leaf |
+//! | `packet` | eight in one octant, alone once they part | each of the eight boxes, each triangle |
+//! | `block` | up to 64 that are alike, as eight packets | eight boxes; one box for eight packets; each triangle |
+//!
+//! All walk the same tree (`bvh`, `collapse`), whose leaves hold the triangles' boxes as well: the rule needs them, and so does
+//! culling triangle by triangle. `trace` chooses among them.
+//!
 //! # Instances
 //!
 //! Within an instance the box rule holds as it stands, in the object's coordinates and with the transformed ray, which is the
@@ -83,5 +99,5 @@ pub use source::{LoadedScene, SceneSource};
 pub use surface::SurfacePoint;
 pub use tally::Counts;
 pub use trace::{Mode, checksum, count, thread_pool, trace, trace_into};
-pub use view::{Light, View};
+pub use view::{Light, View, parse_point};
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};

@@ -15,7 +15,7 @@ use wide::f32x8;
 
 use super::bvh::{Boxes, Bvh, Child};
 use super::single::{ERROR, LARGEST, STEEPEST};
-use super::stack::Stack;
+use super::stack::Places;
 use crate::geom::lanes::{Mask8, Vec3x8, eq8, le8, lt8, max8, min8, sign_bit8};
 use crate::geom::{Aabb, Ray};
 use crate::kernels::aabb::InverseDirection;
@@ -74,7 +74,7 @@ impl PacketRays {
     }
 
     /// Where the rays enter one of eight boxes, at the earliest, and which may hit it at or before `limit`. `side` says for
-    /// each axis whether the upper plane is the near one.
+    /// each axis whether the upper plane is the near one. A limit of NaN is hit by nothing.
     #[inline(always)]
     pub(super) fn enter(&self, boxes: &Boxes, slot: usize, side: [usize; 3], limit: f32x8) -> (f32x8, Mask8) {
         let plane = |planes: f32x8| f32x8::splat(planes.as_array()[slot & 7]);
@@ -99,7 +99,7 @@ pub(super) struct Visit {
     child: Child,
 }
 
-const ANYTHING: Visit = Visit { entry: f32x8::ZERO, child: Child::NONE };
+pub(super) const ANYTHING: Visit = Visit { entry: f32x8::ZERO, child: Child::NONE };
 
 /// Which rays of a packet can walk together.
 pub(super) enum Together {
@@ -114,26 +114,47 @@ pub(super) enum Together {
     Lane(usize),
 }
 
-/// Takes the active lanes apart.
-#[inline(always)]
-pub(super) fn by_octant(rays: &PacketRays, active: Mask8, mut walk: impl FnMut(Together)) {
-    let mut fit = (active & rays.fused).bits();
-    let mut unfit = active.bits() & !fit;
-    while fit != 0 {
-        let (octant, same) = rays.octant(fit.trailing_zeros() as usize);
-        let lanes = same & active & rays.fused;
-        fit &= !lanes.bits();
-        walk(Together::Lanes { octant, lanes });
+/// The active lanes of a packet, taken apart.
+pub(super) struct Groups<'a> {
+    rays: &'a PacketRays,
+    fit: Mask8,
+    /// Lanes of `fit` that are still to come.
+    together: u32,
+    /// Other lanes that are.
+    alone: u32,
+}
+
+impl<'a> Groups<'a> {
+    #[inline(always)]
+    pub(super) fn new(rays: &'a PacketRays, active: Mask8) -> Self {
+        let fit = active & rays.fused;
+        let together = fit.bits();
+        Self { rays, fit, together, alone: active.bits() & !together }
     }
-    while unfit != 0 {
-        walk(Together::Lane(unfit.trailing_zeros() as usize));
-        unfit &= unfit - 1;
+}
+
+impl Iterator for Groups<'_> {
+    type Item = Together;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Together> {
+        if self.together != 0 {
+            let (octant, same) = self.rays.octant(self.together.trailing_zeros() as usize);
+            let lanes = same & self.fit;
+            self.together &= !lanes.bits();
+            return Some(Together::Lanes { octant, lanes });
+        }
+        (self.alone != 0).then(|| {
+            let lane = self.alone.trailing_zeros() as usize;
+            self.alone &= self.alone - 1;
+            Together::Lane(lane)
+        })
     }
 }
 
 /// What is looked for.
 pub(super) trait Search {
-    /// Where the search ends in each lane, NaN or −∞ where it has.
+    /// Where the search ends in each lane, NaN where it has ended.
     fn limit(&self) -> f32x8;
     /// A node is visited.
     fn node(&mut self);
@@ -152,24 +173,23 @@ impl Bvh {
         rays: &PacketRays,
         octant: usize,
         lanes: Mask8,
-        stack: &mut Stack<Visit>,
+        places: &mut Places<Visit>,
         search: &mut impl Search,
     ) {
-        stack.clear();
+        let mut stack = places.stack();
         let nowhere = f32x8::splat(f32::NAN);
-        let mut next = Some(Visit { entry: lanes.select(rays.t_min, nowhere), child: self.root });
         let (side, first) = (sides(octant), if ANY { octant } else { octant ^ 7 });
-        while let Some(Visit { entry, child }) = next {
-            // Beyond the best hit nothing can win; what is as near still can, by a lower number.
-            let active = le8(entry, search.limit());
+        let (mut child, mut active) = (self.root, lanes);
+        loop {
             let bits = active.bits();
             if bits.count_ones() > 1 {
                 match child.leaf() {
                     Err(number) => {
                         search.node();
                         let node = &self.nodes[number];
-                        let limit = active.select(search.limit(), f32x8::splat(f32::NEG_INFINITY));
-                        stack.make_room(ANYTHING);
+                        // NaN, and not −∞, at which a ray without a start may still be.
+                        let limit = active.select(search.limit(), nowhere);
+                        stack.make_room();
                         // The last that is put down is visited first.
                         for index in 0..8 {
                             let slot = index ^ first & 7;
@@ -183,7 +203,9 @@ impl Bvh {
             } else if bits != 0 {
                 search.alone(child, bits.trailing_zeros() as usize);
             }
-            next = stack.pop();
+            let Some(visit) = stack.pop() else { return };
+            // Beyond the best hit nothing can win; what is as near still can, by a lower number.
+            (child, active) = (visit.child, le8(visit.entry, search.limit()));
         }
     }
 }

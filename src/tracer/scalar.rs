@@ -1,7 +1,7 @@
 //! Walking a tree with one ray and scalar arithmetic: the reference for all other walks.
 
 use super::bvh::{Bvh, Child};
-use super::stack::Stack;
+use super::stack::Places;
 use super::tally::Tally;
 use crate::geom::lanes;
 use crate::geom::{Hit, Ray};
@@ -9,6 +9,8 @@ use crate::kernels::aabb::{InverseDirection, pad, slab_interval};
 
 /// Where the ray enters a box, and what is in it.
 pub(super) type Visit = (f32, Child);
+
+pub(super) const ANYTHING: Visit = (0.0, Child::NONE);
 
 impl Bvh {
     /// The first of `best` and all hits that `test` finds in the leaves, by [`Hit::is_closer_than`]. `test` gets a leaf and
@@ -20,11 +22,11 @@ impl Bvh {
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
         mut best: Hit<f32>,
-        stack: &mut Stack<Visit>,
+        places: &mut Places<Visit>,
         tally: &mut T,
         mut test: impl FnMut(usize, &mut Hit<f32>, &mut T),
     ) -> Hit<f32> {
-        stack.clear();
+        let mut stack = places.stack();
         let mut next = Some((f32::NEG_INFINITY, self.root));
         while let Some((entry, child)) = next {
             // Beyond the best hit nothing can win; what is as near still can, by a lower number.
@@ -34,7 +36,7 @@ impl Bvh {
                         tally.node();
                         let limit = lanes::min(best.t, setup.t_max);
                         let node = &self.nodes[number];
-                        stack.make_room((0.0, Child::NONE));
+                        stack.make_room();
                         let base = stack.len();
                         for (slot, &child) in node.children.iter().enumerate() {
                             let (entry, exit) = slab_interval(&node.boxes.lane(slot), ray.origin, setup);
@@ -60,18 +62,18 @@ impl Bvh {
         &self,
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
-        stack: &mut Stack<Visit>,
+        places: &mut Places<Visit>,
         tally: &mut T,
         mut test: impl FnMut(usize, &mut T) -> bool,
     ) -> bool {
-        stack.clear();
+        let mut stack = places.stack();
         let mut next = Some((0.0, self.root));
         while let Some((_, child)) = next {
             match child.leaf() {
                 Err(number) => {
                     tally.node();
                     let node = &self.nodes[number];
-                    stack.make_room((0.0, Child::NONE));
+                    stack.make_room();
                     for (slot, &child) in node.children.iter().enumerate() {
                         let (entry, exit) = slab_interval(&node.boxes.lane(slot), ray.origin, setup);
                         stack.push_if((entry, child), entry <= pad(exit, setup.t_max));

@@ -8,7 +8,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::bvh::{Boxes, Bvh, Child};
-use super::stack::Stack;
+use super::stack::Places;
 use super::tally::Tally;
 use crate::geom::lanes::{self, Vec3x8, le8, max8, min8};
 use crate::geom::{Aabb, Hit, Ray};
@@ -100,7 +100,7 @@ pub(super) struct Visit {
     child: Child,
 }
 
-const ANYTHING: Visit = Visit { entry: 0.0, child: Child::NONE };
+pub(super) const ANYTHING: Visit = Visit { entry: 0.0, child: Child::NONE };
 
 impl Bvh {
     /// [`Bvh::closest_hit_scalar`] below `root`.
@@ -110,11 +110,11 @@ impl Bvh {
         root: Child,
         ray: &SingleRay,
         mut best: Hit<f32>,
-        stack: &mut Stack<Visit>,
+        places: &mut Places<Visit>,
         tally: &mut T,
         mut test: impl FnMut(usize, &mut Hit<f32>, &mut T),
     ) -> Hit<f32> {
-        stack.clear();
+        let mut stack = places.stack();
         let mut child = root;
         loop {
             match child.leaf() {
@@ -123,7 +123,7 @@ impl Bvh {
                     let node = &self.nodes[number];
                     let (entry, mut hit) = ray.boxes(&node.boxes, lanes::min(best.t, ray.t_max));
                     let entry = entry.to_array();
-                    stack.make_room(ANYTHING);
+                    stack.make_room();
                     let base = stack.len();
                     while hit != 0 {
                         let slot = hit.trailing_zeros() as usize & 7;
@@ -154,11 +154,11 @@ impl Bvh {
         &self,
         root: Child,
         ray: &SingleRay,
-        stack: &mut Stack<Visit>,
+        places: &mut Places<Visit>,
         tally: &mut T,
         mut test: impl FnMut(usize, &mut T) -> bool,
     ) -> bool {
-        stack.clear();
+        let mut stack = places.stack();
         let mut child = root;
         loop {
             match child.leaf() {
@@ -166,7 +166,7 @@ impl Bvh {
                     tally.node();
                     let node = &self.nodes[number];
                     let (_, mut hit) = ray.boxes(&node.boxes, ray.t_max);
-                    stack.make_room(ANYTHING);
+                    stack.make_room();
                     while hit != 0 {
                         let slot = hit.trailing_zeros() as usize & 7;
                         hit &= hit - 1;

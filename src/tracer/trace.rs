@@ -1,5 +1,6 @@
 //! Tracing many rays: by single rays or packets, on the threads of the current rayon pool.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::block;
@@ -110,7 +111,7 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
         }
         Mode::Packet | Mode::Auto => {
             for (hits, rays) in hits.chunks_mut(GROUP).zip(rays.chunks(GROUP)) {
-                let mut others = Others::default();
+                let mut others = Others::new();
                 for (block, rays) in rays.chunks(block::RAYS).enumerate() {
                     let start = block * block::RAYS;
                     if !trace_block(scene, rays, any_hit, &mut hits[start..start + rays.len()], scratch, tally) {
@@ -165,21 +166,56 @@ fn trace_block<K: Kernel<Shape = Triangle>>(
     true
 }
 
-/// Of [`GROUP`] rays, the numbers of those that are not in blocks, by the octant of their direction.
-#[derive(Default)]
+/// Of [`GROUP`] rays, those that are not in blocks, sorted by the octant of their direction.
 struct Others {
-    octants: [Vec<u16>; 8],
+    /// Number of the ray, in its lower byte, and its octant.
+    rays: [u16; GROUP],
+    len: usize,
+    of_octant: [usize; 8],
+    /// Whether the rays of each block run about the same way.
+    alike: bool,
 }
 
+/// Rays run about the same way if along no axis their directions differ by more than this share of the longest component.
+const ABOUT: f32 = 0.5;
+
 impl Others {
-    fn extend(&mut self, start: usize, rays: &[Ray<f32>]) {
-        for (index, ray) in rays.iter().enumerate() {
-            let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
-            self.octants[x | y << 1 | z << 2].push((start + index) as u16);
-        }
+    fn new() -> Self {
+        Self { rays: [0; GROUP], len: 0, of_octant: [0; 8], alike: true }
     }
 
-    /// As packets; in [`Mode::Auto`] one by one where they do not start close to each other.
+    fn extend(&mut self, start: usize, rays: &[Ray<f32>]) {
+        let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (index, ray) in rays.iter().enumerate() {
+            let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
+            let octant = x | y << 1 | z << 2;
+            self.rays[self.len % GROUP] = (octant << 8 | (start + index)) as u16;
+            self.of_octant[octant] += 1;
+            self.len += 1;
+            (least, greatest) = (least.min(ray.dir), greatest.max(ray.dir));
+        }
+        let longest = least.abs().max(greatest.abs()).max_element();
+        self.alike &= (greatest - least).max_element() <= ABOUT * longest;
+    }
+
+    /// Their numbers, octant by octant.
+    fn sorted(&self) -> [u8; GROUP] {
+        let (mut next, mut start) = ([0; 8], 0);
+        for (next, len) in next.iter_mut().zip(self.of_octant) {
+            *next = start;
+            start += len;
+        }
+        let mut sorted = [0; GROUP];
+        for &ray in &self.rays[..self.len] {
+            let place = &mut next[usize::from(ray >> 8) & 7];
+            sorted[*place % GROUP] = ray as u8;
+            *place += 1;
+        }
+        sorted
+    }
+
+    /// As packets; one by one where [`Mode::Auto`] finds that faster. It is where the closest hit is asked for and rays run in
+    /// all directions: they part sooner than those that end at any hit.
     fn trace<K: Kernel<Shape = Triangle>>(
         &self,
         scene: &Scene<K>,
@@ -190,8 +226,17 @@ impl Others {
         scratch: &mut Scratch,
         tally: &mut impl Tally,
     ) {
-        let _ = mode;
-        for numbers in self.octants.iter().flat_map(|numbers| numbers.chunks(8)) {
+        if mode == Mode::Auto && !any_hit && !self.alike {
+            for &ray in &self.rays[..self.len] {
+                let number = usize::from(ray as u8);
+                hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
+            }
+            return;
+        }
+        let sorted = self.sorted();
+        let mut rest = &sorted[..self.len];
+        let octants = self.of_octant.map(|len| rest.split_off(..len).unwrap_or_default());
+        for numbers in octants.into_iter().flat_map(|numbers| numbers.chunks(8)) {
             if let [number] = numbers {
                 let number = usize::from(*number);
                 hits[number] = single(scene, &rays[number], any_hit, scratch, tally);

@@ -47,3 +47,16 @@ impl View {
         self.transform.map_or(camera, |transform| camera.transformed(&transform))
     }
 }
+
+/// Understands a point or vector as it is given on a command line: `1,2.5,-3`.
+///
+/// # Errors
+/// Says what was expected instead.
+pub fn parse_point(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> =
+        text.split(',').filter_map(|number| number.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 => Ok(Vec3::new(x, y, z)),
+        _ => Err("expected three numbers, such as 1,2.5,-3".into()),
+    }
+}

@@ -43,15 +43,18 @@ impl LogAxis {
         Self { ends, zero: ZERO, ticks }
     }
 
-    /// An axis through severities in their order, whether they rise or fall, each of which is a tick. A zero at the end
+    /// An axis through severities in their order, whether they rise or fall, each of which is a tick. A zero at either end
     /// is one step beyond the others.
     pub(super) fn through(steps: &[f64]) -> Self {
         let logs: Vec<f64> = steps.iter().filter(|&&step| step > 0.0).map(|step| step.log10()).collect();
         let (first, last) = (logs.first().copied().unwrap_or(0.0), logs.last().copied().unwrap_or(0.0));
         let step = if logs.len() > 1 { (last - first) / (logs.len() - 1) as f64 } else { 1.0 };
-        let zero = last + step;
-        let end = if steps.contains(&0.0) { zero } else { last };
-        Self { ends: first - 0.4 * step..end + 0.4 * step, zero, ticks: steps.to_vec() }
+        let (from, to, zero) = match (steps.first() == Some(&0.0), steps.last() == Some(&0.0)) {
+            (true, false) => (first - step, last, first - step),
+            (_, true) => (first, last + step, last + step),
+            (false, false) => (first, last, last + step),
+        };
+        Self { ends: from - 0.4 * step..to + 0.4 * step, zero, ticks: steps.to_vec() }
     }
 
     /// An axis for cells side by side, one for each of `values`, which are in equal ratios; its ticks are powers of ten.
@@ -67,8 +70,8 @@ impl LogAxis {
 
     /// Where between the ends an axis [through](Self::through) severities jumps to zero.
     pub(super) fn gap(&self) -> Option<f64> {
-        let last = self.ticks.iter().rfind(|&&tick| tick != 0.0)?;
-        (self.ticks.last() == Some(&0.0)).then(|| (self.position(*last) + self.position(0.0)) / 2.0)
+        let ([.., beside, 0.0] | [0.0, beside, ..]) = self.ticks[..] else { return None };
+        Some((self.position(beside) + self.position(0.0)) / 2.0)
     }
 
     /// Where between the ends a value is: 0 to 1.
@@ -130,6 +133,10 @@ mod tests {
         assert_eq!(LogAxis::through(&[1.0, 10.0]).gap(), None);
         let axis = LogAxis::through(&[1e-1, 1e-2, 0.0]);
         assert!(axis.gap().is_some_and(|gap| axis.position(1e-2) < gap && gap < axis.position(0.0)));
+        let steps = [0.0, 1e-3, 1e-1, 1.0];
+        let axis = LogAxis::through(&steps);
+        assert!(steps.map(|step| axis.position(step)).is_sorted() && axis.position(0.0) > 0.0, "zero may come first");
+        assert!(axis.gap().is_some_and(|gap| axis.position(0.0) < gap && gap < axis.position(1e-3)));
         for steps in [vec![], vec![0.0], vec![3.0]] {
             let axis = LogAxis::through(&steps);
             assert!(steps.iter().all(|&step| (0.0..=1.0).contains(&axis.position(step))), "{steps:?}");

@@ -2,15 +2,21 @@
 //!
 //! - `speed_accuracy`: every kernel's speed against its error of `t` and against the rays it loses;
 //! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
-//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image.
+//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image;
+//! - `coherence`: the tracer's modes on rays that have ever less in common;
+//! - `scaling`: the cost of a ray in ever larger scenes;
+//! - `peers`: rays per second of this crate's tracer and others.
 //!
 //! plotters maps values to pixels, draws the axes and writes the SVG. What must not overlap is placed here, in pixels,
 //! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
 
 mod axis;
+mod coherence;
 mod failure_map;
 mod look;
 mod panel;
+mod peers;
+mod scaling;
 mod speed_accuracy;
 mod stability;
 
@@ -67,13 +73,29 @@ pub(super) fn charts(record: &Record) -> Vec<Chart> {
             charts.push(Chart { file: failure_map_file(group), svg: failure_map::svg(record, group, &maps) });
         }
     }
+    if !record.coherence.is_empty() {
+        charts.push(Chart { file: COHERENCE.into(), svg: coherence::svg(record) });
+    }
+    if !record.scaling.is_empty() {
+        charts.push(Chart { file: SCALING.into(), svg: scaling::svg(record) });
+    }
+    if !record.peers.is_empty() {
+        charts.push(Chart { file: PEERS.into(), svg: peers::svg(record) });
+    }
     charts
 }
 
+/// File of the chart of raylanes and its peers.
+pub(super) const PEERS: &str = "peers.svg";
 /// File of the chart of all kernels that are no instances.
 pub(super) const SPEED_ACCURACY: &str = "speed-accuracy.svg";
 /// File of the same chart of the instances.
 pub(super) const SPEED_ACCURACY_INSTANCES: &str = "speed-accuracy-instances.svg";
+
+/// File of the chart of modes by coherence.
+pub(super) const COHERENCE: &str = "coherence.svg";
+/// File of the chart of cost by size.
+pub(super) const SCALING: &str = "scaling.svg";
 
 /// File of a regime's chart.
 pub(super) fn stability_file(regime: &RegimeRow) -> String {
@@ -187,9 +209,12 @@ mod tests {
         let charts = charts(&record);
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
         let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
-        assert_eq!(charts.len(), 2 + record.regimes.len() + with_maps.len());
+        assert_eq!(charts.len(), 5 + record.regimes.len() + with_maps.len());
         for chart in &charts {
             sound(chart);
+            if [COHERENCE, SCALING, PEERS].contains(&chart.file.as_str()) {
+                continue; // of no kernels
+            }
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
             let shown: Vec<_> = match chart.file.as_str() {
                 SPEED_ACCURACY => groups.iter().filter(|group| group.is_base()).collect(),

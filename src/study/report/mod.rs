@@ -1,12 +1,14 @@
 //! `report.md`: the record in words and tables. Every figure in it comes from the record.
 
 mod failures;
+mod tracer;
 
-use crate::study::chart::{SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
+use crate::study::chart::{PEERS, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
 use crate::study::figures::{
-    Cell, Figures, Grid, Group, Loss, MISSING, Rate, count, groups, groups_of_methods, number, si, thread_counts,
-    times, tracer_cells, tracer_header, tracer_rows,
+    Cell, Figures, Grid, Group, Loss, MISSING, Rate, count, groups, groups_of_methods, number, severity, si,
+    thread_counts, times,
 };
+use crate::study::peers::tables;
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
 /// The report, in Markdown; it shows the charts, which belong beside it.
@@ -30,8 +32,15 @@ pub(super) fn report_markdown(record: &Record) -> String {
         parts.push(format!("### Workload `{workload}`"));
         parts.extend([wrong_answers(&rows), errors(&rows)]);
     }
-    if !record.tracer.is_empty() {
-        parts.extend([TRACER.to_owned(), tracer_table(record)]);
+    parts.extend(tracer::throughput(record));
+    parts.extend(tracer::coherence(record));
+    parts.extend(tracer::growth(record));
+    if !record.peers.is_empty() {
+        parts.push(format!("## Peers\n\n{}", tables::LEGEND));
+        parts.push(format!("![Rays per second of raylanes and its peers]({PEERS})"));
+        for (heading, grid) in tables::rates(&record.peers) {
+            parts.push(format!("### {heading}\n\n{}", grid.markdown()));
+        }
     }
     parts.extend([METHOD.to_owned(), machine(record), sources(record), checksums(record)]);
     parts.iter().map(|part| part.trim_end()).collect::<Vec<_>>().join("\n\n") + "\n"
@@ -64,13 +73,6 @@ of its box, at an end of the interval), by how many hits were reported: none / o
 percentile is the one to compare; the greatest is noise.
 - *gross*: hits that both agree on whose `t` is off by more than 1 %.
 - *u, v*: absolute error of the surface parameters; for a box, of the exit distance.";
-
-const TRACER: &str = "\
-## Tracer
-
-Million rays per second of whole scenes, median of the samples, by number of threads (`1T`: one); *ratio* is packet over \
-scalar. All modes and thread counts gave the same bits. Bytes per triangle are those of mesh, prepared triangles and \
-nodes; the build uses all threads.";
 
 const METHOD: &str = "\
 ## Method and bias
@@ -283,24 +285,6 @@ fn errors(rows: &[(&Figures, &AccuracyRow)]) -> String {
     grid.markdown()
 }
 
-fn tracer_table(record: &Record) -> String {
-    let threads = thread_counts(record.tracer.iter().map(|row| row.threads));
-    let mut grid = Grid::new(3, ["scene", "rays", "kernel", "primitives", "instances", "ray count", "hits"]);
-    grid.header.extend(tracer_header(&threads));
-    grid.header.extend(["build s", "bytes / primitive"].map(Cell::from));
-    for rows in tracer_rows(record) {
-        let first = rows[0];
-        let mut row = vec![Cell::from(first.scene.as_str()), Cell::from(first.rays.as_str()), code(&first.kernel)];
-        let counts = [first.triangles, first.instances, first.ray_count, first.hits];
-        row.extend(counts.map(|value| Cell::from(count(value as u64))));
-        row.extend(tracer_cells(&rows, &threads));
-        row.push(Cell::from(number(first.build_seconds, 3)));
-        row.push(Cell::from(number(first.bytes_per_triangle, 3)));
-        grid.rows.push(row);
-    }
-    grid.markdown()
-}
-
 fn machine(record: &Record) -> String {
     let machine = &record.machine;
     format!(
@@ -336,13 +320,14 @@ fn sources(record: &Record) -> String {
 
 fn checksums(record: &Record) -> String {
     let kernels = record.speed.iter().map(|row| (format!("`{}`", row.id), row.checksum.as_str()));
-    let tracer = record
-        .tracer
-        .iter()
-        .map(|row| (format!("{}, {} rays, `{}`", row.scene, row.rays, row.kernel), row.checksum.as_str()));
+    let traced = |scene: &str, rays: &str, kernel: &str| format!("{scene}, {rays} rays, `{kernel}`");
+    let tracer = record.tracer.iter().map(|row| (traced(&row.scene, &row.rays, &row.kernel), row.checksum.as_str()));
+    let coherence = record.coherence.iter().map(|row| {
+        (traced(&row.scene, &format!("jitter {}", severity(row.jitter)), &row.kernel), row.checksum.as_str())
+    });
     // Equal for all faces, modes and thread counts: one line each.
     let mut lines: Vec<(String, &str)> = Vec::new();
-    for line in kernels.chain(tracer) {
+    for line in kernels.chain(tracer).chain(coherence) {
         if !lines.contains(&line) {
             lines.push(line);
         }

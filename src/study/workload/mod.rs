@@ -157,7 +157,7 @@ fn in_cube(rng: &mut Pcg64, half: f32) -> Vec3 {
 }
 
 /// A random direction, of unit length.
-fn direction(rng: &mut Pcg64) -> Vec3 {
+pub(super) fn direction(rng: &mut Pcg64) -> Vec3 {
     loop {
         let inside = in_cube(rng, 1.0);
         if (0.01..1.0).contains(&inside.length_squared()) {

@@ -1,0 +1,157 @@
+//! Timing of the tracer. What is compared is interleaved: the first sample of every job, then the second of every job, so
+//! that a slow spell of the machine falls on all alike. Jobs with the same rays must end with the same hits.
+
+use std::time::Instant;
+
+use rayon::ThreadPool;
+
+use super::ray_sets::{RaySet, ray_sets};
+use super::stats::{mad, median};
+use super::{Progress, TracerKernel};
+use crate::geom::Hit;
+use crate::kernels::Kernel;
+use crate::tracer::{Error, LoadedScene, Mode, Scene, SceneSource, checksum, trace_into};
+
+/// A scene that was built, and the rays of a picture of it.
+#[derive(Debug)]
+pub(super) struct Stage {
+    /// The scene's name.
+    pub(super) name: String,
+    pub(super) scene: Scene<TracerKernel>,
+    /// On all threads.
+    pub(super) build_seconds: f64,
+    pub(super) sets: [RaySet; 4],
+}
+
+impl Stage {
+    /// Builds the scene, and finds the rays of a picture of `size` × `size` pixels.
+    ///
+    /// # Errors
+    /// If the scene cannot be loaded.
+    pub(super) fn set(source: &SceneSource, (size, seed): (u32, u64), progress: &Progress) -> Result<Self, Error> {
+        progress.note(&format!("{}: building", source.name()));
+        let LoadedScene { world, view, .. } = source.load()?;
+        let start = Instant::now();
+        let scene = Scene::new(world);
+        let build_seconds = start.elapsed().as_secs_f64();
+        let sets = ray_sets(&scene, &view, size, seed);
+        Ok(Self { name: source.name(), scene, build_seconds, sets })
+    }
+
+    /// ID of the kernel that triangles are intersected by.
+    pub(super) fn kernel(&self) -> String {
+        TracerKernel::INFO.id.to_string()
+    }
+
+    /// Bytes of geometries, instances, nodes and prepared primitives, each instantiated primitive counted once.
+    pub(super) fn bytes_per_triangle(&self) -> f64 {
+        self.scene.bytes() as f64 / self.scene.primitives() as f64
+    }
+}
+
+/// A set of rays, and how it is traced.
+#[derive(Debug)]
+pub(super) struct Job<'a> {
+    pub(super) scene: &'a Scene<TracerKernel>,
+    pub(super) set: &'a RaySet,
+    pub(super) mode: Mode,
+    pub(super) pool: &'a ThreadPool,
+}
+
+/// How long a job took, and what it found.
+#[derive(Clone, Debug)]
+pub(super) struct Timing {
+    /// Number of rays.
+    pub(super) rays: usize,
+    /// Rays that hit.
+    pub(super) hits: usize,
+    /// Over the bits of all hits, of every run.
+    pub(super) checksum: u64,
+    /// Wall time of each sample.
+    seconds: Vec<f64>,
+}
+
+impl Timing {
+    /// Median of the samples in million rays per second, and their median absolute deviation.
+    pub(super) fn mrays_per_second(&self) -> [f64; 2] {
+        self.of_samples(|seconds| self.rays as f64 / seconds / 1e6)
+    }
+
+    /// The same in wall nanoseconds per ray.
+    pub(super) fn ns_per_ray(&self) -> [f64; 2] {
+        self.of_samples(|seconds| seconds * 1e9 / self.rays as f64)
+    }
+
+    fn of_samples(&self, figure: impl Fn(f64) -> f64) -> [f64; 2] {
+        let samples: Vec<f64> = self.seconds.iter().map(|&seconds| figure(seconds)).collect();
+        [median(&samples), mad(&samples)]
+    }
+}
+
+/// Times the jobs, in their order, into room that is there already. Each runs once before, to warm up.
+///
+/// # Errors
+/// If a job gives other hits than the first one with the same rays, even in a single run: a timing of wrong results is worth
+/// nothing.
+pub(super) fn time(jobs: &[Job], samples: usize) -> Result<Vec<Timing>, Error> {
+    let most = jobs.iter().map(|job| job.set.rays.len()).max().unwrap_or(0);
+    // What no ray can end with, so that nothing that an earlier run has left passes for a hit of a later one.
+    let unset = Hit::<f32>::new(true, f32::NEG_INFINITY, 0.0, 0.0);
+    let mut room = vec![unset; most];
+    let mut run = |job: &Job| {
+        let hits = &mut room[..job.set.rays.len()];
+        hits.fill(unset);
+        let seconds = job.pool.install(|| {
+            let start = Instant::now();
+            trace_into(job.scene, &job.set.rays, job.set.any_hit, job.mode, hits);
+            start.elapsed().as_secs_f64()
+        });
+        (seconds, checksum(hits), hits.iter().filter(|hit| hit.mask).count())
+    };
+    let same = |a: &Job, b: &Job| std::ptr::eq(a.scene, b.scene) && std::ptr::eq(a.set, b.set);
+    let mut timings: Vec<Timing> = Vec::new();
+    for round in 0..=samples {
+        for (number, job) in jobs.iter().enumerate() {
+            let (seconds, checksum, hits) = run(job);
+            if round == 0 {
+                timings.push(Timing { rays: job.set.rays.len(), hits, checksum, seconds: Vec::new() });
+            } else {
+                timings[number].seconds.push(seconds);
+            }
+            let first = jobs.iter().position(|other| same(other, job)).expect("the job itself is there");
+            if checksum != timings[first].checksum {
+                let [one, other] = [&jobs[first], job]
+                    .map(|job| format!("mode {} on {} threads", job.mode.name(), job.pool.current_num_threads()));
+                return Err(Error::Disagreement(format!("{} rays: {one}, and {other}", job.set.name)));
+            }
+        }
+    }
+    Ok(timings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracer::thread_pool;
+
+    #[test]
+    fn every_way_of_tracing_is_timed_and_finds_the_same() {
+        let source = SceneSource::parse("sphere:small").unwrap();
+        let stage = Stage::set(&source, (32, 1), &Progress::new()).unwrap();
+        let pools = [1, 2].map(|threads| thread_pool(threads).unwrap());
+        let of_set =
+            |set| Mode::ALL.map(|mode| Job { scene: &stage.scene, set, mode, pool: &pools[mode as usize % 2] });
+        let jobs: Vec<Job> = stage.sets.iter().flat_map(of_set).collect();
+        let timings = time(&jobs, 3).unwrap();
+        for (job, timing) in jobs.iter().zip(&timings) {
+            assert_eq!((timing.rays, timing.seconds.len()), (job.set.rays.len(), 3));
+            let ([rate, _], [ns, _]) = (timing.mrays_per_second(), timing.ns_per_ray());
+            // Of an odd number of samples both medians are of the same one.
+            assert!(rate > 0.0 && (rate * ns / 1e3 - 1.0).abs() < 1e-9, "{rate} {ns}");
+        }
+        let primary = &timings[..Mode::ALL.len()];
+        assert!((1..timings[0].rays).contains(&timings[0].hits), "a sphere fills no picture");
+        assert!(primary.iter().all(|timing| (timing.hits, timing.checksum) == (timings[0].hits, timings[0].checksum)));
+        assert_ne!(timings[0].checksum, timings[Mode::ALL.len()].checksum, "other rays, other hits");
+    }
+}
