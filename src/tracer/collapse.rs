@@ -64,11 +64,11 @@ impl<'a> Collapse<'a> {
     fn plan(area: f32, left: &Plan, right: &Plan, costs: Costs) -> Plan {
         let mut plan = Plan { items: (left.items + right.items).min(9), ..Plan::default() };
         let mut forest = [f32::INFINITY; 9];
-        for trees in 2..=8 {
+        for (trees, least) in forest.iter_mut().enumerate().skip(2) {
             for to_left in 1..trees {
-                let cost = left.cost[to_left.min(7) - 1] + right.cost[(trees - to_left).min(7) - 1];
-                if cost < forest[trees] {
-                    (forest[trees], plan.left[trees - 1]) = (cost, to_left as u8);
+                let cost = left.cost[to_left - 1] + right.cost[trees - to_left - 1];
+                if cost < *least {
+                    (*least, plan.left[trees - 1]) = (cost, to_left as u8);
                 }
             }
         }
@@ -76,9 +76,9 @@ impl<'a> Collapse<'a> {
         let leaf =
             if plan.items <= 8 { area * (costs.leaf + costs.item * f32::from(plan.items)) } else { f32::INFINITY };
         (plan.cost[0], plan.left[0]) = if leaf <= node { (leaf, 1) } else { (node, 0) };
-        for trees in 2..=7 {
-            plan.cost[trees - 1] = forest[trees];
-            if plan.cost[trees - 2] <= forest[trees] {
+        for (trees, &least) in forest.iter().enumerate().take(8).skip(2) {
+            plan.cost[trees - 1] = least;
+            if plan.cost[trees - 2] <= least {
                 (plan.cost[trees - 1], plan.left[trees - 1]) = (plan.cost[trees - 2], 0);
             }
         }

@@ -118,7 +118,12 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
                         others.extend(start, rays);
                     }
                 }
-                others.trace(scene, rays, any_hit, mode, hits, scratch, tally);
+                // Rays that run in all directions part sooner when they look for the closest hit than when any hit ends them.
+                if mode == Mode::Auto && !any_hit && !others.alike {
+                    others.trace_single(scene, rays, any_hit, hits, scratch, tally);
+                } else {
+                    others.trace_packets(scene, rays, any_hit, hits, scratch, tally);
+                }
             }
         }
     }
@@ -214,25 +219,32 @@ impl Others {
         sorted
     }
 
-    /// As packets; one by one where [`Mode::Auto`] finds that faster. It is where the closest hit is asked for and rays run in
-    /// all directions: they part sooner than those that end at any hit.
-    fn trace<K: Kernel<Shape = Triangle>>(
+    /// One by one.
+    fn trace_single<K: Kernel<Shape = Triangle>>(
         &self,
         scene: &Scene<K>,
         rays: &[Ray<f32>],
         any_hit: bool,
-        mode: Mode,
         hits: &mut [Hit<f32>],
         scratch: &mut Scratch,
         tally: &mut impl Tally,
     ) {
-        if mode == Mode::Auto && !any_hit && !self.alike {
-            for &ray in &self.rays[..self.len] {
-                let number = usize::from(ray as u8);
-                hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
-            }
-            return;
+        for &ray in &self.rays[..self.len] {
+            let number = usize::from(ray as u8);
+            hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
         }
+    }
+
+    /// As packets.
+    fn trace_packets<K: Kernel<Shape = Triangle>>(
+        &self,
+        scene: &Scene<K>,
+        rays: &[Ray<f32>],
+        any_hit: bool,
+        hits: &mut [Hit<f32>],
+        scratch: &mut Scratch,
+        tally: &mut impl Tally,
+    ) {
         let sorted = self.sorted();
         let mut rest = &sorted[..self.len];
         let octants = self.of_octant.map(|len| rest.split_off(..len).unwrap_or_default());
