@@ -182,6 +182,21 @@ mod tests {
     }
 
     #[test]
+    fn lanes_are_written_as_they_are_read() {
+        let mask = Mask8::from_lanes([true, false, true, false, false, false, false, true]);
+        let t = f32x8::new([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+        let packet = Hit::<f32x8>::new(mask, t, t * t, -t);
+        for count in 0..10 {
+            let mut hits = [Hit { primitive: 7, ..Hit::MISS }; 10];
+            packet.write(&mut hits[..count]);
+            for (lane, hit) in hits.iter().enumerate() {
+                let expected = if lane < count.min(8) { packet.lane(lane) } else { Hit { primitive: 7, ..Hit::MISS } };
+                assert_eq!((hit.mask, hit.to_bits()), (expected.mask, expected.to_bits()));
+            }
+        }
+    }
+
+    #[test]
     fn the_closest_lane_is_found_also_among_ties_and_misses() {
         let hits = |t: [f32; 8], primitive: [u32; 8]| Hit::<f32x8> {
             primitive: u32x8::new(primitive),

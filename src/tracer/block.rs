@@ -41,7 +41,7 @@ const CLOSE: f32 = 6.0;
 
 /// What contains all rays of some packets: from where, and how fast, planes are met first and last.
 #[derive(Clone, Copy, Debug)]
-struct Interval {
+pub(super) struct Interval {
     near_origin: [f32; 3],
     near_inv: [f32; 3],
     far_origin: [f32; 3],
@@ -61,7 +61,7 @@ pub(super) struct Block {
     t_min: f32x8,
     /// Where the search ends for all rays of a packet: −∞ if it has none.
     limit: [f32; PACKETS],
-    whole: Interval,
+    pub(super) whole: Interval,
     /// The octant of all directions.
     pub(super) octant: usize,
     /// Whether all rays start at one point. If not, the intervals of packets are wide.
@@ -188,7 +188,7 @@ impl Block {
 
     /// Which packets may hit one of eight boxes.
     #[inline(always)]
-    fn packets_that_hit(&self, boxes: &Boxes, slot: usize, side: [usize; 3]) -> u32 {
+    pub(super) fn packets_that_hit(&self, boxes: &Boxes, slot: usize, side: [usize; 3]) -> u32 {
         let (mut entry, mut exit) = (self.t_min, f32x8::new(self.limit));
         for axis in 0..3 {
             let plane = |planes: f32x8| f32x8::splat(planes.as_array()[slot & 7]);
@@ -204,7 +204,7 @@ impl Block {
 impl Interval {
     /// Where it enters eight boxes, and which it hits.
     #[inline(always)]
-    fn boxes(&self, boxes: &Boxes, side: [usize; 3]) -> (f32x8, u32) {
+    pub(super) fn boxes(&self, boxes: &Boxes, side: [usize; 3]) -> (f32x8, u32) {
         let (mut entry, mut exit) = (f32x8::splat(self.t_min), f32x8::splat(self.limit));
         for axis in 0..3 {
             let (near, far) = (boxes.near(axis, side), boxes.far(axis, side));

@@ -24,7 +24,7 @@ pub(super) struct Boxes {
 }
 
 impl Boxes {
-    fn new(boxes: [Aabb; 8]) -> Self {
+    pub(super) fn new(boxes: [Aabb; 8]) -> Self {
         let planes = [0, 1, 2]
             .map(|axis| [f32x8::new(boxes.map(|one| one.lo[axis])), f32x8::new(boxes.map(|one| one.hi[axis]))]);
         Self { planes }

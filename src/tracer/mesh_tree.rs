@@ -21,7 +21,7 @@ use crate::kernels::{Intersect, Kernel};
 #[derive(Debug)]
 pub(super) struct MeshTree<K: Kernel> {
     bvh: Bvh,
-    /// For each leaf, where its triangles begin in `prepared`.
+    /// For each leaf, where its triangles begin in `prepared`; at last, where they end.
     first: Vec<u32>,
     /// Leaf by leaf, for one ray or eight against one triangle.
     prepared: Vec<K>,
@@ -56,11 +56,12 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         use rayon::prelude::*;
 
         let bvh = Bvh::build(mesh.len(), |primitive| mesh.triangle(primitive).bounds());
-        let mut first = Vec::with_capacity(bvh.leaves.len());
+        let mut first = Vec::with_capacity(bvh.leaves.len() + 1);
         let mut next = 0;
+        first.push(next);
         for leaf in &bvh.leaves {
-            first.push(next);
             next += leaf.len() as u32;
+            first.push(next);
         }
         let items: Vec<u32> = bvh.leaves.iter().flat_map(|leaf| &leaf.items[..leaf.len()]).copied().collect();
         let prepared: Vec<_> = items.par_iter().map(|&primitive| K::prepare(&mesh.triangle(primitive))).collect();
@@ -90,8 +91,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// The prepared triangles of a leaf, with what else is known of it.
     #[inline(always)]
     fn leaf(&self, leaf: usize) -> (&Leaf, &[K]) {
-        let content = &self.bvh.leaves[leaf];
-        (content, &self.prepared[self.first[leaf] as usize..][..content.len()])
+        let (first, end) = (self.first[leaf] as usize, self.first[leaf + 1] as usize);
+        (&self.bvh.leaves[leaf], &self.prepared[first..end])
     }
 
     /// The closest hit, if its `t` is at most `farthest`; else that, or a hit beyond `farthest`, or a miss.
@@ -162,13 +163,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &mut impl Tally,
     ) -> Hit<f32> {
         let nothing = Hit { t: farthest, ..Hit::MISS };
-        Alone::new(self, ray).closest_hit(self.bvh.root, nothing, &mut stacks.single, tally)
+        let alone = Alone::new(self, ray);
+        self.bvh.closest_hit_single(self.bvh.root, &alone.walk, nothing, &mut stacks.single, tally, &mut &alone)
     }
 
     /// [`MeshTree::any_hit_scalar`] with one ray against eight boxes or triangles at a time.
     #[inline(always)]
     pub(super) fn any_hit_single(&self, ray: &Ray<f32>, stacks: &mut Stacks, tally: &mut impl Tally) -> bool {
-        Alone::new(self, ray).any_hit(self.bvh.root, &mut stacks.single, tally)
+        let alone = Alone::new(self, ray);
+        self.bvh.any_hit_single(self.bvh.root, &alone.walk, &mut stacks.single, tally, &mut &alone)
     }
 
     /// [`MeshTree::closest_hit_scalar`] in eight lanes.
@@ -363,32 +366,6 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
         }
     }
 
-    #[inline(always)]
-    fn closest_hit(
-        &self,
-        root: Child,
-        best: Hit<f32>,
-        places: &mut Places<single::Visit>,
-        tally: &mut impl Tally,
-    ) -> Hit<f32> {
-        self.tree.bvh.closest_hit_single(root, &self.walk, best, places, tally, |leaf, best, tally| {
-            let candidates = self.candidates(leaf, tally);
-            if candidates.mask.any() {
-                let closest = candidates.closest();
-                if closest.is_closer_than(best) {
-                    *best = closest;
-                }
-            }
-        })
-    }
-
-    #[inline(always)]
-    fn any_hit(&self, root: Child, places: &mut Places<single::Visit>, tally: &mut impl Tally) -> bool {
-        self.tree
-            .bvh
-            .any_hit_single(root, &self.walk, places, tally, |leaf, tally| self.candidates(leaf, tally).mask.any())
-    }
-
     /// The triangles of a leaf, by the box rule: where they count, and their `t` at infinity where not.
     #[inline(always)]
     fn candidates(&self, leaf: usize, tally: &mut impl Tally) -> Hit<f32x8> {
@@ -409,6 +386,24 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
             // Of a single triangle: zero where it hits.
             instance: hit.instance,
         }
+    }
+}
+
+impl<K: Kernel<Shape = Triangle>, T: Tally> single::Leaves<T> for &Alone<'_, K> {
+    #[inline(always)]
+    fn closest_hit(&mut self, leaf: usize, best: &mut Hit<f32>, tally: &mut T) {
+        let candidates = self.candidates(leaf, tally);
+        if candidates.mask.any() {
+            let closest = candidates.closest();
+            if closest.is_closer_than(best) {
+                *best = closest;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn any_hit(&mut self, leaf: usize, tally: &mut T) -> bool {
+        self.candidates(leaf, tally).mask.any()
     }
 }
 
@@ -465,12 +460,13 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
     fn alone(&mut self, child: Child, lane: usize) {
         let alone = Alone::new(self.tree, &self.ray.lane(lane));
         if ANY {
-            if alone.any_hit(child, self.places, self.tally) {
+            if self.tree.bvh.any_hit_single(child, &alone.walk, self.places, self.tally, &mut &alone) {
                 self.keep(&Hit { mask: only(lane), ..Hit::<f32x8>::miss() });
             }
         } else {
             let before = self.best.lane(lane);
-            let hit = alone.closest_hit(child, before, self.places, self.tally);
+            let hit =
+                self.tree.bvh.closest_hit_single(child, &alone.walk, before, self.places, self.tally, &mut &alone);
             if hit.primitive != before.primitive {
                 self.keep(&in_lane(lane, &hit));
             }

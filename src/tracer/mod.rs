@@ -61,6 +61,8 @@ mod builtin;
 mod bvh;
 mod camera;
 mod collapse;
+#[cfg(test)]
+mod culling;
 mod error;
 mod generator;
 mod mesh;

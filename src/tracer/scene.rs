@@ -322,13 +322,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     ) -> Hit<f32> {
         let setup = InverseDirection::<f32>::of(ray);
         let walk = SingleRay::of(ray, &self.bvh.bounds);
-        self.bvh.closest_hit_single(root, &walk, best, places, tally, |leaf, best, tally| {
-            for number in self.bvh.leaves[leaf].numbers() {
-                self.meet(number, ray, &setup, best, |tree, ray, farthest| {
-                    tree.closest_hit_single(ray, farthest, lower, tally)
-                });
-            }
-        })
+        let mut instances = Instances { scene: self, ray, setup, lower };
+        self.bvh.closest_hit_single(root, &walk, best, places, tally, &mut instances)
     }
 
     pub(super) fn any_hit_single(&self, ray: &Ray<f32>, scratch: &mut Scratch, tally: &mut impl Tally) -> bool {
@@ -351,11 +346,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     ) -> bool {
         let setup = InverseDirection::<f32>::of(ray);
         let walk = SingleRay::of(ray, &self.bvh.bounds);
-        self.bvh.any_hit_single(root, &walk, places, tally, |leaf, tally| {
-            self.bvh.leaves[leaf]
-                .numbers()
-                .any(|number| self.meets(number, ray, &setup, |tree, ray| tree.any_hit_single(ray, lower, tally)))
-        })
+        let mut instances = Instances { scene: self, ray, setup, lower };
+        self.bvh.any_hit_single(root, &walk, places, tally, &mut instances)
     }
 
     pub(super) fn closest_hit_packet(
@@ -476,6 +468,33 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             Object::Mesh(tree) => any_hit(tree, &ray),
             Object::Quadric(quadric) => quadric.closest_hit(&ray).mask,
         }
+    }
+}
+
+/// The instances, and a single ray on its way through the upper tree.
+struct Instances<'a, K: Kernel> {
+    scene: &'a Scene<K>,
+    ray: &'a Ray<f32>,
+    setup: InverseDirection<f32>,
+    lower: &'a mut Stacks,
+}
+
+impl<K: Kernel<Shape = Triangle>, T: Tally> single::Leaves<T> for Instances<'_, K> {
+    #[inline(always)]
+    fn closest_hit(&mut self, leaf: usize, best: &mut Hit<f32>, tally: &mut T) {
+        let Self { scene, ray, setup, lower } = self;
+        for number in scene.bvh.leaves[leaf].numbers() {
+            scene.meet(number, ray, setup, best, |tree, ray, farthest| {
+                tree.closest_hit_single(ray, farthest, lower, tally)
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn any_hit(&mut self, leaf: usize, tally: &mut T) -> bool {
+        let Self { scene, ray, setup, lower } = self;
+        let mut numbers = scene.bvh.leaves[leaf].numbers();
+        numbers.any(|number| scene.meets(number, ray, setup, |tree, ray| tree.any_hit_single(ray, lower, tally)))
     }
 }
 

@@ -78,7 +78,7 @@ impl SingleRay {
     /// Where the ray enters eight boxes, at most, and which it may hit at or before `limit`: never fewer than by the slab test
     /// of the box rule, which is monotonic, but takes longer.
     #[inline(always)]
-    fn boxes(&self, boxes: &Boxes, limit: f32) -> (f32x8, u32) {
+    pub(super) fn boxes(&self, boxes: &Boxes, limit: f32) -> (f32x8, u32) {
         let limit = f32x8::splat(limit);
         if self.fused {
             let near = |axis| boxes.near(axis, self.side).mul_add(self.inv_dir[axis], self.near[axis]);
@@ -102,6 +102,15 @@ pub(super) struct Visit {
 
 pub(super) const ANYTHING: Visit = Visit { entry: 0.0, child: Child::NONE };
 
+/// What is in the leaves. Not two closures: those that are called from two places are not inlined, and a call in the middle of
+/// the walk costs as much as a node, since no register survives it.
+pub(super) trait Leaves<T> {
+    /// Puts the closest hit in a leaf in the place of a best one that it comes before.
+    fn closest_hit(&mut self, leaf: usize, best: &mut Hit<f32>, tally: &mut T);
+    /// Whether anything in a leaf is hit.
+    fn any_hit(&mut self, leaf: usize, tally: &mut T) -> bool;
+}
+
 impl Bvh {
     /// [`Bvh::closest_hit_scalar`] below `root`.
     #[inline(always)]
@@ -112,7 +121,7 @@ impl Bvh {
         mut best: Hit<f32>,
         places: &mut Places<Visit>,
         tally: &mut T,
-        mut test: impl FnMut(usize, &mut Hit<f32>, &mut T),
+        leaves: &mut impl Leaves<T>,
     ) -> Hit<f32> {
         let mut stack = places.stack();
         let mut child = root;
@@ -134,7 +143,7 @@ impl Bvh {
                 }
                 Ok(leaf) => {
                     tally.leaf();
-                    test(leaf, &mut best, tally);
+                    leaves.closest_hit(leaf, &mut best, tally);
                 }
             }
             // Beyond the best hit nothing can win; what is as near still can, by a lower number.
@@ -156,7 +165,7 @@ impl Bvh {
         ray: &SingleRay,
         places: &mut Places<Visit>,
         tally: &mut T,
-        mut test: impl FnMut(usize, &mut T) -> bool,
+        leaves: &mut impl Leaves<T>,
     ) -> bool {
         let mut stack = places.stack();
         let mut child = root;
@@ -175,7 +184,7 @@ impl Bvh {
                 }
                 Ok(leaf) => {
                     tally.leaf();
-                    if test(leaf, tally) {
+                    if leaves.any_hit(leaf, tally) {
                         return true;
                     }
                 }
