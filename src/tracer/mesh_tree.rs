@@ -227,26 +227,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &mut T,
     ) -> Option<()> {
         let mut block = Block::of(rays, self.bvh.item_size)?;
-        let mut setups = Setups::new(self);
+        let mut search = BlockSearch::new(self, &block);
         let mut best = [Hit::<f32x8>::miss(); PACKETS];
         let mut any = false;
-        self.bvh.walk_block::<false, T>(&mut block, &mut stacks.block, tally, |leaf, mut packets, block, tally| {
-            while packets != 0 {
-                let packet = packets.trailing_zeros() as usize & 7;
-                packets &= packets - 1;
-                let setup = setups.kernel(packet, block);
-                let (mut limit, mut closer) = (lanes::min8(best[packet].t, setup.slabs.t_max), false);
-                self.meet(leaf, packet, block, &setup, &mut setups, tally, limit, |candidate| {
-                    keep_closer8(&mut best[packet], candidate);
-                    limit = lanes::min8(best[packet].t, limit);
-                    closer = true;
-                    limit
-                });
-                if closer {
-                    any = true;
-                    block.set_limit(packet, limit);
-                }
-            }
+        self.bvh.walk_block::<false, T>(&mut block, &mut stacks.block, tally, |leaf, packets, block, tally| {
+            search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
+                any = true;
+                keep_closer8(&mut best[packet], candidate);
+                lanes::min8(best[packet].t, limit)
+            });
         });
         if any {
             for (hits, best) in hits.chunks_mut(8).zip(&best) {
@@ -267,61 +256,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &mut T,
     ) -> Option<[Mask8; PACKETS]> {
         let mut block = Block::of(rays, self.bvh.item_size)?;
-        let mut setups = Setups::new(self);
+        let mut search = BlockSearch::new(self, &block);
         let mut found = [Mask8::none(); PACKETS];
-        let nowhere = f32x8::splat(f32::NEG_INFINITY);
-        self.bvh.walk_block::<true, T>(&mut block, &mut stacks.block, tally, |leaf, mut packets, block, tally| {
-            while packets != 0 {
-                let packet = packets.trailing_zeros() as usize & 7;
-                packets &= packets - 1;
-                let setup = setups.kernel(packet, block);
-                let (mut limit, mut more) = (found[packet].select(nowhere, setup.slabs.t_max), false);
-                self.meet(leaf, packet, block, &setup, &mut setups, tally, limit, |candidate| {
-                    found[packet] = found[packet] | candidate.mask;
-                    limit = candidate.mask.select(nowhere, limit);
-                    more = true;
-                    limit
-                });
-                if more {
-                    block.set_limit(packet, limit);
-                }
-            }
+        self.bvh.walk_block::<true, T>(&mut block, &mut stacks.block, tally, |leaf, packets, block, tally| {
+            search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
+                found[packet] = found[packet] | candidate.mask;
+                candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), limit)
+            });
         });
         Some(found)
-    }
-
-    /// Tests the triangles of a leaf whose boxes a packet may hit. Calls `keep` with what counts by the box rule, in at least one
-    /// lane; it returns where the search, which ended at `limit`, ends now.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "one call, taken apart for those who read it")]
-    fn meet<T: Tally>(
-        &self,
-        leaf: usize,
-        packet: usize,
-        block: &Block,
-        setup: &Setup<K, f32x8>,
-        setups: &mut Setups<'_, K>,
-        tally: &mut T,
-        mut limit: f32x8,
-        mut keep: impl FnMut(&Hit<f32x8>) -> f32x8,
-    ) {
-        let (content, triangles) = self.leaf(leaf);
-        let (ray, side) = (&block.packets[packet], sides(block.octant));
-        let mut slots = block.boxes_hit_by(packet, &content.boxes, side);
-        while slots != 0 {
-            let slot = slots.trailing_zeros() as usize & 7;
-            slots &= slots - 1;
-            // The interval of rays from different points is wide: one of many triangles that it meets is met by a ray.
-            if !block.one_origin && !setups.rays(packet, block, setup).enter(&content.boxes, slot, side, limit).1.any()
-            {
-                continue;
-            }
-            let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel);
-            tally.test(|| hit.mask.bits().count_ones());
-            if hit.mask.any() {
-                limit = keep(&by_box_rule(hit, content, slot, ray, &setup.slabs));
-            }
-        }
     }
 }
 
@@ -522,27 +465,65 @@ impl<K: Intersect<f32x8>> Setup<K, f32x8> {
     }
 }
 
-/// The per-ray data of a block's packets, each computed when it is first asked for: many blocks meet no triangle.
-struct Setups<'a, K: Kernel> {
+/// A block's packets on their way through a tree. What the kernel and the slab test want of their rays is computed when it is
+/// first asked for: many blocks meet no triangle.
+struct BlockSearch<'a, K: Kernel> {
     tree: &'a MeshTree<K>,
-    kernel: [Option<Setup<K, f32x8>>; PACKETS],
+    setups: [Option<Setup<K, f32x8>>; PACKETS],
     rays: [Option<PacketRays>; PACKETS],
+    /// Where the search ends.
+    limits: [f32x8; PACKETS],
 }
 
-impl<'a, K: Kernel<Shape = Triangle>> Setups<'a, K> {
+impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
     #[inline(always)]
-    fn new(tree: &'a MeshTree<K>) -> Self {
-        Self { tree, kernel: [const { None }; PACKETS], rays: [const { None }; PACKETS] }
+    fn new(tree: &'a MeshTree<K>, block: &Block) -> Self {
+        let limits = block.packets.each_ref().map(|ray| ray.t_max);
+        Self { tree, setups: [const { None }; PACKETS], rays: [const { None }; PACKETS], limits }
     }
 
+    /// Tests the triangles of a leaf whose boxes the packets may hit, of which each has a bit. Calls `keep` with a packet, what
+    /// counts by the box rule, in at least one lane, and where the search has ended; it returns where it ends now.
     #[inline(always)]
-    fn kernel(&mut self, packet: usize, block: &Block) -> Setup<K, f32x8> {
-        *self.kernel[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(&block.packets[packet]))
-    }
-
-    #[inline(always)]
-    fn rays(&mut self, packet: usize, block: &Block, setup: &Setup<K, f32x8>) -> &PacketRays {
-        self.rays[packet]
-            .get_or_insert_with(|| PacketRays::of(&block.packets[packet], &setup.slabs, &self.tree.bvh.bounds))
+    fn meet<T: Tally>(
+        &mut self,
+        leaf: usize,
+        mut packets: u32,
+        block: &mut Block,
+        tally: &mut T,
+        mut keep: impl FnMut(usize, &Hit<f32x8>, f32x8) -> f32x8,
+    ) {
+        let (content, triangles) = self.tree.leaf(leaf);
+        let side = sides(block.octant);
+        while packets != 0 {
+            let packet = packets.trailing_zeros() as usize & 7;
+            packets &= packets - 1;
+            let mut slots = block.boxes_hit_by(packet, &content.boxes, side);
+            let ray = &block.packets[packet];
+            let setup = self.setups[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(ray));
+            let (mut limit, mut met) = (self.limits[packet], false);
+            while slots != 0 {
+                let slot = slots.trailing_zeros() as usize & 7;
+                slots &= slots - 1;
+                // The interval of rays from different points is wide: one of many triangles that it meets is met by a ray.
+                if !block.one_origin {
+                    let bounds = &self.tree.bvh.bounds;
+                    let rays = self.rays[packet].get_or_insert_with(|| PacketRays::of(ray, &setup.slabs, bounds));
+                    if !rays.enter(&content.boxes, slot, side, limit).1.any() {
+                        continue;
+                    }
+                }
+                let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel);
+                tally.test(|| hit.mask.bits().count_ones());
+                if hit.mask.any() {
+                    limit = keep(packet, &by_box_rule(hit, content, slot, ray, &setup.slabs), limit);
+                    met = true;
+                }
+            }
+            if met {
+                self.limits[packet] = limit;
+                block.set_limit(packet, limit);
+            }
+        }
     }
 }
