@@ -336,9 +336,15 @@ fn rays_that_are_alike_have_identical_hits() {
         let scene = Scene::<Woop<f32>>::from(mesh);
         every_way(name, &scene, &rays, 16);
         // They are taken together indeed: a block visits hardly more nodes than each of its rays.
-        let nodes = |mode| count(&scene, &rays[..12_800], false, mode).nodes;
-        let (alone, together) = (nodes(Mode::Single), nodes(Mode::Packet));
-        assert!(together * 5 < alone, "{name}: {together} nodes together, {alone} alone");
+        let rays = &rays[..12_800];
+        let hits = trace(&scene, rays, false, Mode::Scalar).iter().filter(|hit| hit.mask).count() as u64;
+        let [scalar, single, packet, _] = Mode::ALL.map(|mode| count(&scene, rays, false, mode));
+        assert!(packet.nodes * 5 < single.nodes, "{name}: {packet:?}, {single:?}");
+        for (counts, width) in [(scalar, 1), (single, 8), (packet, 8)] {
+            assert!(counts.rays == 12_800 && counts.leaves > 0, "{name}: {counts:?}");
+            assert!((hits..=width * counts.tests).contains(&counts.lanes), "{name}: {hits} hits, {counts:?}");
+        }
+        assert!(scalar.tests > 2 * single.tests, "{name}: {scalar:?}, {single:?}");
     }
 }
 

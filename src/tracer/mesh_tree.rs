@@ -50,6 +50,7 @@ impl Stacks {
     }
 }
 
+/// What the scene calls is not inlined: it calls each from two places, for a mesh alone and for one of many instances.
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// Builds the tree and prepares the triangles, on all threads of the current rayon pool.
     pub(super) fn new(mesh: &Mesh) -> Self {
@@ -96,7 +97,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// The closest hit, if its `t` is at most `farthest`; else that, or a hit beyond `farthest`, or a miss.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn closest_hit_scalar(
         &self,
         ray: &Ray<f32>,
@@ -116,7 +117,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// Whether there is a hit.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn any_hit_scalar(&self, ray: &Ray<f32>, stacks: &mut Stacks, tally: &mut impl Tally) -> bool {
         let setup = Setup::<K, f32>::of(ray);
         self.bvh.any_hit_scalar(ray, &setup.slabs, &mut stacks.scalar, tally, |leaf, tally| {
@@ -144,7 +145,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         let (content, triangles) = self.leaf(leaf);
         triangles.iter().enumerate().filter_map(move |(slot, triangle)| {
             let hit = triangle.closest_hit(ray, &setup.kernel);
-            tally.test(|| u32::from(hit.mask));
+            tally.test(|| u32::from(Span::<f32>::of(&content.boxes.lane(slot), ray.origin, &setup.slabs).is_some()));
             if !hit.mask {
                 return None;
             }
@@ -154,7 +155,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// [`MeshTree::closest_hit_scalar`] with one ray against eight boxes or triangles at a time.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn closest_hit_single(
         &self,
         ray: &Ray<f32>,
@@ -168,14 +169,14 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// [`MeshTree::any_hit_scalar`] with one ray against eight boxes or triangles at a time.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn any_hit_single(&self, ray: &Ray<f32>, stacks: &mut Stacks, tally: &mut impl Tally) -> bool {
         let alone = Alone::new(self, ray);
         self.bvh.any_hit_single(self.bvh.root, &alone.walk, &mut stacks.single, tally, &mut &alone)
     }
 
     /// [`MeshTree::closest_hit_scalar`] in eight lanes.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn closest_hit_packet(
         &self,
         ray: &Ray<f32x8>,
@@ -189,7 +190,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 
     /// [`MeshTree::any_hit_scalar`] in eight lanes.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn any_hit_packet(&self, ray: &Ray<f32x8>, stacks: &mut Stacks, tally: &mut impl Tally) -> Mask8 {
         self.search::<_, true>(ray, Hit::<f32x8>::miss(), stacks, tally).found
     }
@@ -268,6 +269,11 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 }
 
+/// How many of eight rays hit the box of a triangle.
+fn in_box(leaf: &Leaf, slot: usize, ray: &Ray<f32x8>, setup: &InverseDirection<f32x8>) -> u32 {
+    Span::<f32x8>::of(&leaf.boxes.lane(slot), ray.origin, setup).0.bits().count_ones()
+}
+
 /// A triangle's hits in the lanes in which they count. The others hold anything, not the fixed content of a miss.
 #[inline(always)]
 fn by_box_rule(
@@ -313,11 +319,13 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
     #[inline(always)]
     fn candidates(&self, leaf: usize, tally: &mut impl Tally) -> Hit<f32x8> {
         let hit = self.tree.gathered[leaf].closest_hit(&self.ray, &self.setup);
-        tally.test(|| 1);
+        let leaf = &self.tree.bvh.leaves[leaf];
+        tally.test(|| {
+            Span::<f32x8>::of_each(&leaf.boxes.slabs(), self.walk.origin, &self.walk.slabs).0.bits().count_ones()
+        });
         if !hit.mask.any() {
             return hit;
         }
-        let leaf = &self.tree.bvh.leaves[leaf];
         let (inside, span) = Span::<f32x8>::of_each(&leaf.boxes.slabs(), self.walk.origin, &self.walk.slabs);
         let mask = hit.mask & inside;
         Hit {
@@ -392,7 +400,7 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
         let (content, triangles) = self.tree.leaf(leaf);
         for (slot, triangle) in triangles.iter().enumerate() {
             let hit = Intersect::<f32x8>::closest_hit(triangle, self.ray, &self.setup.kernel);
-            self.tally.test(|| hit.mask.bits().count_ones());
+            self.tally.test(|| in_box(content, slot, self.ray, &self.setup.slabs));
             if hit.mask.any() {
                 self.keep(&by_box_rule(hit, content, slot, self.ray, &self.setup.slabs));
             }
@@ -514,7 +522,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                     }
                 }
                 let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel);
-                tally.test(|| hit.mask.bits().count_ones());
+                tally.test(|| in_box(content, slot, ray, &setup.slabs));
                 if hit.mask.any() {
                     limit = keep(packet, &by_box_rule(hit, content, slot, ray, &setup.slabs), limit);
                     met = true;

@@ -10,10 +10,9 @@ pub struct Counts {
     pub nodes: u64,
     /// Leaves visited, each with up to eight triangles.
     pub leaves: u64,
-    /// Eight-wide triangle tests: eight rays against one triangle, or one ray against up to eight.
+    /// Triangle tests: of eight rays and one triangle, or one ray and up to eight; in scalar mode of one and one.
     pub tests: u64,
-    /// Lanes of those tests that had a ray, and a triangle, of which the ray hits the box no farther than it still looks:
-    /// what a test for this ray alone would have been made for.
+    /// Lanes of those tests in which the ray hits the box of the triangle.
     pub lanes: u64,
 }
 
