@@ -423,9 +423,22 @@ impl Vec3x8 {
     ///
     /// # Panics
     /// If `index >= 8`.
-    #[inline]
-    pub fn lane(self, index: usize) -> Vec3 {
-        Vec3::new(self.x.to_array()[index], self.y.to_array()[index], self.z.to_array()[index])
+    #[inline(always)]
+    pub fn lane(&self, index: usize) -> Vec3 {
+        // By reference: what lies in memory is not copied first.
+        Vec3::new(self.x.as_array()[index], self.y.as_array()[index], self.z.as_array()[index])
+    }
+
+    /// The smaller components of two vectors, by [`min8`].
+    #[inline(always)]
+    pub fn min(&self, other: &Self) -> Self {
+        Self { x: min8(self.x, other.x), y: min8(self.y, other.y), z: min8(self.z, other.z) }
+    }
+
+    /// The larger components of two vectors, by [`max8`].
+    #[inline(always)]
+    pub fn max(&self, other: &Self) -> Self {
+        Self { x: max8(self.x, other.x), y: max8(self.y, other.y), z: max8(self.z, other.z) }
     }
 
     /// `x·x' + y·y' + z·z'`, added from the left.

@@ -17,6 +17,7 @@ pub mod triangle;
 
 use wide::f32x8;
 
+use self::aabb::Slabs;
 pub use crate::geom::Shape;
 use crate::geom::{Hit, Lanes, Ray};
 
@@ -62,6 +63,19 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
 
     /// Lane `i` becomes `primitives[i]`.
     fn gather(primitives: &[Self; 8]) -> Self::Packet;
+
+    /// What [`Kernel::gather`] put into a lane.
+    ///
+    /// # Panics
+    /// If `lane >= 8`.
+    fn lane(packet: &Self::Packet, lane: usize) -> Self;
+
+    /// The boxes of the shapes, where a prepared primitive contains what determines them exactly: a tree then need not keep
+    /// them as well.
+    #[inline(always)]
+    fn bounds(_packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        None
+    }
 }
 
 /// What a kernel says about itself.

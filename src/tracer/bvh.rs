@@ -30,6 +30,11 @@ impl Boxes {
         Self { planes }
     }
 
+    /// The boxes of a leaf's items.
+    pub(super) fn of_items(leaf: &Leaf, bounds_of: impl Fn(u32) -> Aabb) -> Self {
+        Self::new(leaf.0.map(|item| if item == Leaf::NONE { Aabb::EMPTY } else { bounds_of(item) }))
+    }
+
     /// As eight lanes of the slab test.
     #[inline(always)]
     pub(super) fn slabs(&self) -> Slabs<f32x8> {
@@ -64,6 +69,13 @@ impl Boxes {
     }
 }
 
+impl From<Slabs<f32x8>> for Boxes {
+    #[inline(always)]
+    fn from(Slabs { lo, hi }: Slabs<f32x8>) -> Self {
+        Self { planes: [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]] }
+    }
+}
+
 /// What a slot of a node refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Child(u32);
@@ -86,26 +98,22 @@ pub(super) struct Node {
     pub(super) children: [Child; 8],
 }
 
-/// A node above items.
+/// What is above items: their numbers, [`Leaf::NONE`] in unused slots, which are the last.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
-    pub(super) boxes: Boxes,
-    /// Numbers of the items, [`Leaf::NONE`] in unused slots.
-    pub(super) items: [u32; 8],
-}
+pub(super) struct Leaf(pub(super) [u32; 8]);
 
 impl Leaf {
     pub(super) const NONE: u32 = u32::MAX;
 
     /// The items, in as many slots as are in use.
     pub(super) fn numbers(&self) -> impl Iterator<Item = u32> {
-        self.items.into_iter().take_while(|&item| item != Self::NONE)
+        self.0.into_iter().take_while(|&item| item != Self::NONE)
     }
 
     /// How many slots are in use, from the first on.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
-        self.items.iter().take_while(|&&item| item != Self::NONE).count()
+        self.0.iter().filter(|&&item| item != Self::NONE).count()
     }
 }
 
@@ -183,8 +191,8 @@ impl Bvh {
         let mut open = vec![(0, None)];
         while let Some((number, parent)) = open.pop() {
             let child = if let Some(items) = plan.leaf(number) {
-                let mut leaf = Leaf { boxes: no_boxes, items: [Leaf::NONE; 8] };
-                leaf.items[..items.len()].copy_from_slice(&items);
+                let mut leaf = Leaf([Leaf::NONE; 8]);
+                leaf.0[..items.len()].copy_from_slice(&items);
                 bvh.leaves.push(leaf);
                 Child((bvh.leaves.len() - 1) as u32 | Child::LEAF)
             } else {
@@ -209,17 +217,13 @@ impl Bvh {
 
     /// Computes every box as the exact union of the boxes of the items below it.
     fn fit(&mut self, bounds_of: impl Fn(u32) -> Aabb, count: usize) {
-        let mut size = 0.0;
-        for leaf in &mut self.leaves {
-            let boxes = leaf.items.map(|item| if item == Leaf::NONE { Aabb::EMPTY } else { bounds_of(item) });
-            size += boxes[..leaf.len()].iter().map(|one| f64::from(one.extent().length())).sum::<f64>();
-            leaf.boxes = Boxes::new(boxes);
-        }
+        let size = (0..count as u32).map(|item| f64::from(bounds_of(item).extent().length())).sum::<f64>();
         self.item_size = (size / count as f64) as f32;
+        let union = |bounds: Aabb, item| bounds.union(&bounds_of(item));
         // Children come after their parents.
         for number in (0..self.nodes.len()).rev() {
             let boxes = self.nodes[number].children.map(|child| match child.leaf() {
-                Ok(leaf) => self.leaves[leaf].boxes.union(),
+                Ok(leaf) => self.leaves[leaf].numbers().fold(Aabb::EMPTY, union),
                 Err(0) => Aabb::EMPTY,
                 Err(node) => self.nodes[node].boxes.union(),
             });

@@ -6,7 +6,7 @@ use wide::{f32x8, u32x8};
 use super::Mesh;
 use super::block::{self, Block, PACKETS};
 use super::box_rule::Span;
-use super::bvh::{Bvh, Child, Leaf};
+use super::bvh::{Boxes, Bvh, Child, Leaf};
 use super::packet::{self, Groups, PacketRays, only, sides};
 use super::scalar;
 use super::single::{self, SingleRay};
@@ -14,20 +14,25 @@ use super::stack::Places;
 use super::tally::Tally;
 use crate::geom::lanes::{self, eq8, lt8};
 use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
-use crate::kernels::aabb::InverseDirection;
+use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Intersect, Kernel};
 
 /// What the kernel `K` needs to trace a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTree<K: Kernel> {
+    /// Its leaves are empty: they are here instead.
     bvh: Bvh,
-    /// For each leaf, where its triangles begin in `prepared`; at last, where they end.
-    first: Vec<u32>,
-    /// Leaf by leaf, for one ray or eight against one triangle.
-    prepared: Vec<K>,
-    /// For each leaf, for one ray against its triangles. To take them apart for eight rays as well would save the 36 bytes of
-    /// every triangle above, but touch up to nine cache lines instead of one or two.
-    gathered: Vec<K::Packet>,
+    leaves: Vec<Triangles<K>>,
+    /// For each leaf, the triangles' boxes; empty if the kernel knows them.
+    boxes: Vec<Boxes>,
+}
+
+/// The triangles of a leaf.
+#[derive(Debug)]
+#[repr(align(64))]
+struct Triangles<K: Kernel> {
+    prepared: K::Packet,
+    numbers: Leaf,
 }
 
 /// Stacks for every way of walking, to be used again and again.
@@ -56,44 +61,30 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     pub(super) fn new(mesh: &Mesh) -> Self {
         use rayon::prelude::*;
 
-        let bvh = Bvh::build(mesh.len(), |primitive| mesh.triangle(primitive).bounds());
-        let mut first = Vec::with_capacity(bvh.leaves.len() + 1);
-        let mut next = 0;
-        first.push(next);
-        for leaf in &bvh.leaves {
-            next += leaf.len() as u32;
-            first.push(next);
-        }
-        let items: Vec<u32> = bvh.leaves.iter().flat_map(|leaf| &leaf.items[..leaf.len()]).copied().collect();
-        let prepared: Vec<_> = items.par_iter().map(|&primitive| K::prepare(&mesh.triangle(primitive))).collect();
+        let bounds_of = |primitive| mesh.triangle(primitive).bounds();
+        let mut bvh = Bvh::build(mesh.len(), bounds_of);
         // A triangle of NaN, which every ray misses.
-        let nothing = K::prepare(&Triangle { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN });
-        let gathered = bvh
-            .leaves
-            .par_iter()
-            .zip(&first)
-            .map(|(leaf, &first)| {
-                let mut triangles = [nothing; 8];
-                triangles[..leaf.len()].copy_from_slice(&prepared[first as usize..][..leaf.len()]);
-                K::gather(&triangles)
-            })
-            .collect();
-        Self { bvh, first, prepared, gathered }
+        let nothing = Triangle { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN };
+        let triangle = |primitive| if primitive == Leaf::NONE { nothing } else { mesh.triangle(primitive) };
+        let gather =
+            |&numbers: &Leaf| Triangles { prepared: K::gather(&numbers.0.map(|item| K::prepare(&triangle(item)))), numbers };
+        let numbers = std::mem::take(&mut bvh.leaves);
+        let leaves: Vec<_> = numbers.par_iter().map(gather).collect();
+        let known = leaves.first().is_none_or(|leaf: &Triangles<K>| K::bounds(&leaf.prepared).is_some());
+        let of_leaf = |leaf: &Leaf| Boxes::of_items(leaf, bounds_of);
+        let boxes = if known { Vec::new() } else { numbers.par_iter().map(of_leaf).collect() };
+        Self { bvh, leaves, boxes }
     }
 
     /// Bytes of nodes and prepared triangles, without the mesh.
     pub(super) fn bytes(&self) -> usize {
-        self.bvh.bytes()
-            + size_of_val(&self.first[..])
-            + size_of_val(&self.prepared[..])
-            + size_of_val(&self.gathered[..])
+        self.bvh.bytes() + size_of_val(&self.leaves[..]) + size_of_val(&self.boxes[..])
     }
 
-    /// The prepared triangles of a leaf, with what else is known of it.
+    /// The boxes of a leaf's triangles. Those of unused slots may be anything.
     #[inline(always)]
-    fn leaf(&self, leaf: usize) -> (&Leaf, &[K]) {
-        let (first, end) = (self.first[leaf] as usize, self.first[leaf + 1] as usize);
-        (&self.bvh.leaves[leaf], &self.prepared[first..end])
+    fn boxes(&self, leaf: usize) -> Boxes {
+        K::bounds(&self.leaves[leaf].prepared).map_or_else(|| self.boxes[leaf], Boxes::from)
     }
 
     /// The closest hit, if its `t` is at most `farthest`; else that, or a hit beyond `farthest`, or a miss.
@@ -128,7 +119,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// The closest hit by trying every triangle, in any order.
     pub(super) fn closest_hit_brute_force(&self, ray: &Ray<f32>) -> Hit<f32> {
         let setup = Setup::<K, f32>::of(ray);
-        (0..self.bvh.leaves.len())
+        (0..self.leaves.len())
             .flat_map(|leaf| self.candidates(leaf, ray, &setup, &mut ()).collect::<Vec<_>>())
             .fold(Hit::MISS, |best, candidate| if candidate.is_closer_than(&best) { candidate } else { best })
     }
@@ -142,15 +133,16 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         setup: &Setup<K, f32>,
         tally: &mut impl Tally,
     ) -> impl Iterator<Item = Hit<f32>> {
-        let (content, triangles) = self.leaf(leaf);
-        triangles.iter().enumerate().filter_map(move |(slot, triangle)| {
-            let hit = triangle.closest_hit(ray, &setup.kernel);
-            tally.test(|| u32::from(Span::<f32>::of(&content.boxes.lane(slot), ray.origin, &setup.slabs).is_some()));
+        let Triangles { prepared, numbers } = &self.leaves[leaf];
+        numbers.numbers().enumerate().filter_map(move |(slot, primitive)| {
+            let hit = K::lane(prepared, slot & 7).closest_hit(ray, &setup.kernel);
+            let span = || Span::<f32>::of(&self.boxes(leaf).lane(slot), ray.origin, &setup.slabs);
+            tally.test(|| u32::from(span().is_some()));
             if !hit.mask {
                 return None;
             }
-            let span = Span::<f32>::of(&content.boxes.lane(slot), ray.origin, &setup.slabs)?;
-            Some(Hit { t: span.clamp(hit.t), primitive: content.items[slot], ..hit })
+            let span = span()?;
+            Some(Hit { t: span.clamp(hit.t), primitive, ..hit })
         })
     }
 
@@ -270,26 +262,26 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
 }
 
 /// How many of eight rays hit the box of a triangle.
-fn in_box(leaf: &Leaf, slot: usize, ray: &Ray<f32x8>, setup: &InverseDirection<f32x8>) -> u32 {
-    Span::<f32x8>::of(&leaf.boxes.lane(slot), ray.origin, setup).0.bits().count_ones()
+fn in_box(boxes: &Boxes, slot: usize, ray: &Ray<f32x8>, setup: &InverseDirection<f32x8>) -> u32 {
+    Span::<f32x8>::of(&boxes.lane(slot), ray.origin, setup).0.bits().count_ones()
 }
 
 /// A triangle's hits in the lanes in which they count. The others hold anything, not the fixed content of a miss.
 #[inline(always)]
 fn by_box_rule(
     hit: Hit<f32x8>,
-    leaf: &Leaf,
-    slot: usize,
+    bounds: &Slabs<f32>,
+    primitive: u32,
     ray: &Ray<f32x8>,
     setup: &InverseDirection<f32x8>,
 ) -> Hit<f32x8> {
-    let (inside, span) = Span::<f32x8>::of(&leaf.boxes.lane(slot), ray.origin, setup);
+    let (inside, span) = Span::<f32x8>::of(bounds, ray.origin, setup);
     Hit {
         mask: hit.mask & inside,
         t: span.clamp(hit.t),
         u: hit.u,
         v: hit.v,
-        primitive: u32x8::splat(leaf.items[slot]),
+        primitive: u32x8::splat(primitive),
         instance: hit.instance,
     }
 }
@@ -318,22 +310,21 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
     /// The triangles of a leaf, by the box rule: where they count, and their `t` at infinity where not.
     #[inline(always)]
     fn candidates(&self, leaf: usize, tally: &mut impl Tally) -> Hit<f32x8> {
-        let hit = self.tree.gathered[leaf].closest_hit(&self.ray, &self.setup);
-        let leaf = &self.tree.bvh.leaves[leaf];
-        tally.test(|| {
-            Span::<f32x8>::of_each(&leaf.boxes.slabs(), self.walk.origin, &self.walk.slabs).0.bits().count_ones()
-        });
+        let Triangles { prepared, numbers } = &self.tree.leaves[leaf];
+        let hit = prepared.closest_hit(&self.ray, &self.setup);
+        let span = || Span::<f32x8>::of_each(&self.tree.boxes(leaf).slabs(), self.walk.origin, &self.walk.slabs);
+        tally.test(|| (span().0.bits() & ((1 << numbers.len()) - 1)).count_ones());
         if !hit.mask.any() {
             return hit;
         }
-        let (inside, span) = Span::<f32x8>::of_each(&leaf.boxes.slabs(), self.walk.origin, &self.walk.slabs);
+        let (inside, span) = span();
         let mask = hit.mask & inside;
         Hit {
             mask,
             t: mask.select(span.clamp(hit.t), f32x8::splat(f32::INFINITY)),
             u: hit.u,
             v: hit.v,
-            primitive: u32x8::new(leaf.items),
+            primitive: u32x8::new(numbers.0),
             // Of a single triangle: zero where it hits.
             instance: hit.instance,
         }
@@ -397,12 +388,14 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
     #[inline(always)]
     fn leaf(&mut self, leaf: usize, _active: Mask8) {
         self.tally.leaf();
-        let (content, triangles) = self.tree.leaf(leaf);
-        for (slot, triangle) in triangles.iter().enumerate() {
-            let hit = Intersect::<f32x8>::closest_hit(triangle, self.ray, &self.setup.kernel);
-            self.tally.test(|| in_box(content, slot, self.ray, &self.setup.slabs));
+        let Triangles { prepared, numbers } = &self.tree.leaves[leaf];
+        let boxes = self.tree.boxes(leaf);
+        for slot in 0..numbers.len() {
+            let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), self.ray, &self.setup.kernel);
+            self.tally.test(|| in_box(&boxes, slot, self.ray, &self.setup.slabs));
             if hit.mask.any() {
-                self.keep(&by_box_rule(hit, content, slot, self.ray, &self.setup.slabs));
+                let (bounds, primitive) = (boxes.lane(slot), numbers.0[slot]);
+                self.keep(&by_box_rule(hit, &bounds, primitive, self.ray, &self.setup.slabs));
             }
         }
     }
@@ -501,12 +494,13 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         tally: &mut T,
         mut keep: impl FnMut(usize, &Hit<f32x8>, f32x8) -> f32x8,
     ) {
-        let (content, triangles) = self.tree.leaf(leaf);
+        let Triangles { prepared, numbers } = &self.tree.leaves[leaf];
+        let (boxes, used) = (self.tree.boxes(leaf), (1 << numbers.len()) - 1);
         let side = sides(block.octant);
         while packets != 0 {
             let packet = packets.trailing_zeros() as usize & 7;
             packets &= packets - 1;
-            let mut slots = block.boxes_hit_by(packet, &content.boxes, side);
+            let mut slots = block.boxes_hit_by(packet, &boxes, side) & used;
             let ray = &block.packets[packet];
             let setup = self.setups[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(ray));
             let (mut limit, mut met) = (self.limits[packet], false);
@@ -517,14 +511,15 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                 if !block.one_origin {
                     let bounds = &self.tree.bvh.bounds;
                     let rays = self.rays[packet].get_or_insert_with(|| PacketRays::of(ray, &setup.slabs, bounds));
-                    if !rays.enter(&content.boxes, slot, side, limit).1.any() {
+                    if !rays.enter(&boxes, slot, side, limit).1.any() {
                         continue;
                     }
                 }
-                let hit = Intersect::<f32x8>::closest_hit(&triangles[slot], ray, &setup.kernel);
-                tally.test(|| in_box(content, slot, ray, &setup.slabs));
+                let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), ray, &setup.kernel);
+                tally.test(|| in_box(&boxes, slot, ray, &setup.slabs));
                 if hit.mask.any() {
-                    limit = keep(packet, &by_box_rule(hit, content, slot, ray, &setup.slabs), limit);
+                    let candidate = by_box_rule(hit, &boxes.lane(slot), numbers.0[slot], ray, &setup.slabs);
+                    limit = keep(packet, &candidate, limit);
                     met = true;
                 }
             }

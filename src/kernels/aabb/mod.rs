@@ -54,6 +54,11 @@ impl Slabs<f32x8> {
     pub(crate) fn gather(boxes: [Slabs<f32>; 8]) -> Self {
         Self { lo: Vec3x8::from_lanes(boxes.map(|b| b.lo)), hi: Vec3x8::from_lanes(boxes.map(|b| b.hi)) }
     }
+
+    #[inline(always)]
+    pub(crate) fn lane(&self, lane: usize) -> Slabs<f32> {
+        Slabs { lo: self.lo.lane(lane), hi: self.hi.lane(lane) }
+    }
 }
 
 impl<P: Lanes> Slabs<P> {

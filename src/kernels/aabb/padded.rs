@@ -63,6 +63,11 @@ impl Kernel for Padded<f32> {
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         Padded(Slabs::gather(primitives.map(|primitive| primitive.0)))
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
 }
 
 impl Intersect<f32> for Padded<f32> {

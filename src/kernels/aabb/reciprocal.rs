@@ -51,6 +51,11 @@ impl Kernel for Reciprocal<f32> {
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         Reciprocal(Slabs::gather(primitives.map(|primitive| primitive.0)))
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
 }
 
 impl Intersect<f32> for Reciprocal<f32> {

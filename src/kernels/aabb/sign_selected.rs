@@ -42,6 +42,11 @@ impl Kernel for SignSelected<f32> {
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         SignSelected(Slabs::gather(primitives.map(|primitive| primitive.0)))
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
 }
 
 impl Intersect<f32> for SignSelected<f32> {

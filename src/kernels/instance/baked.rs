@@ -69,4 +69,9 @@ impl<K: Kernel<Shape = Triangle>> Kernel for Baked<K> {
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         Baked(K::gather(&primitives.map(|primitive| primitive.0)))
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(K::lane(&packet.0, lane))
+    }
 }

@@ -93,4 +93,10 @@ impl TransformMethod for SubtractFirstF64<DVec3> {
             translation: gather(transforms.map(|one| one.translation)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        let vector = |[x, y, z]: &[f64x8; 3]| DVec3::new(x.as_array()[lane], y.as_array()[lane], z.as_array()[lane]);
+        Self { inverse: packet.inverse.each_ref().map(vector), translation: vector(&packet.translation) }
+    }
 }

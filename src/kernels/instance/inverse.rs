@@ -77,4 +77,12 @@ impl TransformMethod for Inverse<f32> {
             translation: Vec3x8::from_lanes(transforms.map(|one| one.translation)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self {
+            linear: packet.linear.each_ref().map(|column| column.lane(lane)),
+            translation: packet.translation.lane(lane),
+        }
+    }
 }

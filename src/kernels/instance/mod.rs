@@ -57,6 +57,9 @@ pub trait TransformMethod:
 
     /// Lane `i` becomes `transforms[i]`.
     fn gather(transforms: [Self; 8]) -> Self::Packet;
+
+    /// The transform in a lane, which is below 8.
+    fn lane(packet: &Self::Packet, lane: usize) -> Self;
 }
 
 /// The transform has no inverse: its linear part is singular or not finite, or its inverse exceeds the range of the
@@ -154,6 +157,11 @@ impl<K: Kernel, W: TransformMethod> Kernel for Instance<K, W> {
             object: K::gather(&primitives.map(|instance| instance.object)),
             world_to_object: W::gather(primitives.map(|instance| instance.world_to_object)),
         }
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self { object: K::lane(&packet.object, lane), world_to_object: W::lane(&packet.world_to_object, lane) }
     }
 }
 

@@ -112,4 +112,13 @@ impl TransformMethod for SubtractFirst<f32> {
             linear: [0, 1, 2].map(|column| Vec3x8::from_lanes(transforms.map(|one| one.linear[column]))),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self {
+            inverse: packet.inverse.each_ref().map(|column| column.lane(lane)),
+            translation: packet.translation.lane(lane),
+            linear: packet.linear.each_ref().map(|column| column.lane(lane)),
+        }
+    }
 }

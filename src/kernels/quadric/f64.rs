@@ -71,6 +71,11 @@ impl Kernel for Double<f32> {
             clip: Slabs::gather(primitives.map(|one| one.clip)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self { form: packet.form.lane(lane), clip: packet.clip.lane(lane) }
+    }
 }
 
 impl Intersect<f32> for Double<f32> {

@@ -63,6 +63,11 @@ impl Kernel for Mixed<f32> {
             clip: Slabs::gather(primitives.map(|one| one.clip)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self { form: packet.form.lane(lane), clip: packet.clip.lane(lane) }
+    }
 }
 
 impl Intersect<f32> for Mixed<f32> {

@@ -318,6 +318,16 @@ impl Form<f32x8> {
         }
     }
 
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Form<f32> {
+        Form {
+            squares: self.squares.lane(lane),
+            products: self.products.lane(lane),
+            linear: self.linear.lane(lane),
+            constant: self.constant.as_array()[lane],
+        }
+    }
+
     /// [`Form::<f32>::half_gradient`] in eight lanes.
     #[inline(always)]
     fn half_gradient(&self, p: Vec3x8) -> Vec3x8 {

@@ -65,6 +65,17 @@ impl Kernel for Naive<f32> {
             clip: Slabs::gather(primitives.map(|one| one.clip)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self {
+            squares: packet.squares.lane(lane),
+            products: packet.products.lane(lane),
+            linear: packet.linear.lane(lane),
+            constant: packet.constant.as_array()[lane],
+            clip: packet.clip.lane(lane),
+        }
+    }
 }
 
 /// yz, zx and xy.

@@ -75,6 +75,11 @@ impl Kernel for Stable<f32> {
             clip: Slabs::gather(primitives.map(|one| one.clip)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self { form: packet.form.lane(lane), center: packet.center.lane(lane), clip: packet.clip.lane(lane) }
+    }
 }
 
 impl Intersect<f32> for Stable<f32> {

@@ -74,6 +74,18 @@ impl Kernel for BaldwinWeber<f32> {
             n0: numbers(|primitive| primitive.n0),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self {
+            u: packet.u.lane(lane),
+            u0: packet.u0.as_array()[lane],
+            v: packet.v.lane(lane),
+            v0: packet.v0.as_array()[lane],
+            n: packet.n.lane(lane),
+            n0: packet.n0.as_array()[lane],
+        }
+    }
 }
 
 impl Intersect<f32> for BaldwinWeber<f32> {

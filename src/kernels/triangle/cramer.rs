@@ -22,6 +22,7 @@ use wide::f32x8;
 use super::Vertices;
 use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, ne8};
 use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for Cramer's rule: the vertices as they are.
@@ -45,6 +46,16 @@ impl Kernel for Cramer<f32> {
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         Cramer(Vertices::gather(primitives.map(|primitive| primitive.0)))
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
+
+    #[inline(always)]
+    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        Some(packet.0.bounds())
     }
 }
 

@@ -61,6 +61,16 @@ impl Kernel for KenslerShirley<f32> {
             n: Vec3x8::from_lanes(primitives.map(|primitive| primitive.n)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self {
+            v0: packet.v0.lane(lane),
+            e1: packet.e1.lane(lane),
+            e2: packet.e2.lane(lane),
+            n: packet.n.lane(lane),
+        }
+    }
 }
 
 impl Intersect<f32> for KenslerShirley<f32> {

@@ -29,6 +29,7 @@ use wide::f32x8;
 
 use crate::geom::Triangle;
 use crate::geom::lanes::{Lanes, Vec3x8};
+use crate::kernels::aabb::Slabs;
 
 /// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +55,18 @@ impl Vertices<f32x8> {
             v1: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v1)),
             v2: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v2)),
         }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Vertices<f32> {
+        Vertices { v0: self.v0.lane(lane), v1: self.v1.lane(lane), v2: self.v2.lane(lane) }
+    }
+
+    /// The triangles' boxes.
+    #[inline(always)]
+    fn bounds(&self) -> Slabs<f32x8> {
+        let Self { v0, v1, v2 } = self;
+        Slabs { lo: v0.min(v1).min(v2), hi: v0.max(v1).max(v2) }
     }
 }
 

@@ -53,6 +53,11 @@ impl Kernel for MollerTrumbore<f32> {
             e2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e2)),
         }
     }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self { v0: packet.v0.lane(lane), e1: packet.e1.lane(lane), e2: packet.e2.lane(lane) }
+    }
 }
 
 impl Intersect<f32> for MollerTrumbore<f32> {

@@ -22,6 +22,7 @@ use wide::{f32x8, f64x8};
 use super::Vertices;
 use crate::geom::lanes::{DVec3x8, Lanes, accepts, accepts8, dot_f64x8, double8, ge64, le64, to_f32x8};
 use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the Möller–Trumbore test in `f64`: the vertices as they are.
@@ -45,6 +46,16 @@ impl Kernel for MollerTrumboreF64<f32> {
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         MollerTrumboreF64(Vertices::gather(primitives.map(|primitive| primitive.0)))
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
+
+    #[inline(always)]
+    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        Some(packet.0.bounds())
     }
 }
 

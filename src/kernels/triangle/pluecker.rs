@@ -27,6 +27,7 @@ use wide::f32x8;
 use super::{Vertices, normal};
 use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the Plücker test: the vertices and the normal.
@@ -56,6 +57,16 @@ impl Kernel for Pluecker<f32> {
             vertices: Vertices::gather(primitives.map(|primitive| primitive.vertices)),
             n: Vec3x8::from_lanes(primitives.map(|primitive| primitive.n)),
         }
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self { vertices: packet.vertices.lane(lane), n: packet.n.lane(lane) }
+    }
+
+    #[inline(always)]
+    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        Some(packet.vertices.bounds())
     }
 }
 

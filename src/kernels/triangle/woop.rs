@@ -41,6 +41,7 @@ use crate::geom::lanes::{
     Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, gt8, le8, lt8, max, max8, min, min8, to_f32x8, to_f64x8,
 };
 use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the watertight test.
@@ -64,6 +65,16 @@ impl Kernel for Woop<f32> {
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         Woop(Vertices::gather(primitives.map(|primitive| primitive.0)))
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
+
+    #[inline(always)]
+    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        Some(packet.0.bounds())
     }
 }
 

@@ -25,6 +25,7 @@ use super::Vertices;
 use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, prepare};
 use crate::geom::lanes::{Lanes, Vec3x8, mul_add, mul_add8};
 use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the watertight test by differences of products.
@@ -48,6 +49,16 @@ impl Kernel for WoopDop<f32> {
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         WoopDop(Vertices::gather(primitives.map(|primitive| primitive.0)))
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
+
+    #[inline(always)]
+    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        Some(packet.0.bounds())
     }
 }
 

@@ -31,6 +31,7 @@ use super::Vertices;
 use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, prepare};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the half-open watertight test.
@@ -54,6 +55,16 @@ impl Kernel for WoopHalfOpen<f32> {
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
         WoopHalfOpen(Vertices::gather(primitives.map(|primitive| primitive.0)))
+    }
+
+    #[inline(always)]
+    fn lane(packet: &Self::Packet, lane: usize) -> Self {
+        Self(packet.0.lane(lane))
+    }
+
+    #[inline(always)]
+    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+        Some(packet.0.bounds())
     }
 }
 
