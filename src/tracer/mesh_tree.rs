@@ -7,10 +7,11 @@ use super::Mesh;
 use super::block::{self, Block, PACKETS};
 use super::box_rule::Span;
 use super::bvh::{Boxes, Bvh, Child, Leaf};
-use super::packet::{self, Groups, PacketRays, only, sides};
+use super::packet::{self, Groups, PacketRays, only, packet, sides};
 use super::scalar;
 use super::single::{self, SingleRay};
 use super::stack::Places;
+use super::stream::{self, StreamRay, Streams};
 use super::tally::Tally;
 use crate::geom::lanes::{self, eq8, lt8};
 use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
@@ -42,6 +43,7 @@ pub(super) struct Stacks {
     pub(super) single: Places<single::Visit>,
     pub(super) packet: Places<packet::Visit>,
     pub(super) block: Places<block::Visit>,
+    pub(super) streams: Streams,
 }
 
 impl Stacks {
@@ -51,6 +53,7 @@ impl Stacks {
             single: Places::new(single::ANYTHING),
             packet: Places::new(packet::ANYTHING),
             block: Places::new(block::ANYTHING),
+            streams: Streams::new(),
         }
     }
 }
@@ -66,8 +69,10 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         // A triangle of NaN, which every ray misses.
         let nothing = Triangle { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN };
         let triangle = |primitive| if primitive == Leaf::NONE { nothing } else { mesh.triangle(primitive) };
-        let gather =
-            |&numbers: &Leaf| Triangles { prepared: K::gather(&numbers.0.map(|item| K::prepare(&triangle(item)))), numbers };
+        let gather = |&numbers: &Leaf| Triangles {
+            prepared: K::gather(&numbers.0.map(|item| K::prepare(&triangle(item)))),
+            numbers,
+        };
         let numbers = std::mem::take(&mut bvh.leaves);
         let leaves: Vec<_> = numbers.par_iter().map(gather).collect();
         let known = leaves.first().is_none_or(|leaf: &Triangles<K>| K::bounds(&leaf.prepared).is_some());
@@ -210,6 +215,43 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         search
     }
 
+    /// The closest hits of the rays with these numbers, which are in one octant, or whether they hit anything. Changes the order
+    /// of the numbers.
+    #[inline(never)]
+    pub(super) fn trace_stream<const ANY: bool, T: Tally>(
+        &self,
+        rays: &[Ray<f32>],
+        octant: usize,
+        numbers: &mut [u16],
+        hits: &mut [Hit<f32>],
+        Stacks { streams, single, .. }: &mut Stacks,
+        tally: &mut T,
+    ) {
+        let together = numbers.len() >= stream::LONG;
+        let (mut len, mut t_min) = (0, f32::INFINITY);
+        for index in 0..numbers.len() {
+            let number = numbers[index];
+            let (ray, hit) = (&rays[usize::from(number)], &mut hits[usize::from(number)]);
+            *hit = Hit::MISS;
+            if let Some(ready) = StreamRay::of(ray, &self.bvh.bounds).filter(|_| together) {
+                streams.rays[usize::from(number) % stream::RAYS] = ready;
+                t_min = lanes::min(ray.t_min, t_min);
+                numbers[len] = number;
+                len += 1;
+            } else {
+                let alone = Alone::new(self, ray);
+                *hit = if ANY {
+                    let any = self.bvh.any_hit_single(self.bvh.root, &alone.walk, single, tally, &mut &alone);
+                    Hit::<f32>::new(any, 0.0, 0.0, 0.0)
+                } else {
+                    self.bvh.closest_hit_single(self.bvh.root, &alone.walk, Hit::MISS, single, tally, &mut &alone)
+                };
+            }
+        }
+        let mut search = StreamSearch::<K, ANY> { tree: self, rays, hits };
+        self.bvh.walk_stream::<ANY, T>(octant, &numbers[..len], t_min, streams, tally, &mut search);
+    }
+
     /// The closest hits of at most [`block::RAYS`] rays, if they are alike; else `None`.
     #[inline(always)]
     pub(super) fn closest_hit_block<T: Tally>(
@@ -261,6 +303,38 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 }
 
+impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
+    /// The triangles of a leaf that a ray, splatted, hits by the box rule: where they count, and their `t` at infinity where not.
+    #[inline(always)]
+    fn candidates8(
+        &self,
+        leaf: usize,
+        ray: &Ray<f32x8>,
+        setup: &<K as Intersect<f32x8>>::Setup,
+        tally: &mut impl Tally,
+        slabs: impl Fn() -> InverseDirection<f32x8>,
+    ) -> Hit<f32x8> {
+        let Triangles { prepared, numbers } = &self.leaves[leaf];
+        let hit = prepared.closest_hit(ray, setup);
+        let span = || Span::<f32x8>::of_each(&self.boxes(leaf).slabs(), ray.origin, &slabs());
+        tally.test(|| (span().0.bits() & ((1 << numbers.len()) - 1)).count_ones());
+        if !hit.mask.any() {
+            return hit;
+        }
+        let (inside, span) = span();
+        let mask = hit.mask & inside;
+        Hit {
+            mask,
+            t: mask.select(span.clamp(hit.t), f32x8::splat(f32::INFINITY)),
+            u: hit.u,
+            v: hit.v,
+            primitive: u32x8::new(numbers.0),
+            // Of a single triangle: zero where it hits.
+            instance: hit.instance,
+        }
+    }
+}
+
 /// How many of eight rays hit the box of a triangle.
 fn in_box(boxes: &Boxes, slot: usize, ray: &Ray<f32x8>, setup: &InverseDirection<f32x8>) -> u32 {
     Span::<f32x8>::of(&boxes.lane(slot), ray.origin, setup).0.bits().count_ones()
@@ -307,27 +381,9 @@ impl<'a, K: Kernel<Shape = Triangle>> Alone<'a, K> {
         }
     }
 
-    /// The triangles of a leaf, by the box rule: where they count, and their `t` at infinity where not.
     #[inline(always)]
     fn candidates(&self, leaf: usize, tally: &mut impl Tally) -> Hit<f32x8> {
-        let Triangles { prepared, numbers } = &self.tree.leaves[leaf];
-        let hit = prepared.closest_hit(&self.ray, &self.setup);
-        let span = || Span::<f32x8>::of_each(&self.tree.boxes(leaf).slabs(), self.walk.origin, &self.walk.slabs);
-        tally.test(|| (span().0.bits() & ((1 << numbers.len()) - 1)).count_ones());
-        if !hit.mask.any() {
-            return hit;
-        }
-        let (inside, span) = span();
-        let mask = hit.mask & inside;
-        Hit {
-            mask,
-            t: mask.select(span.clamp(hit.t), f32x8::splat(f32::INFINITY)),
-            u: hit.u,
-            v: hit.v,
-            primitive: u32x8::new(numbers.0),
-            // Of a single triangle: zero where it hits.
-            instance: hit.instance,
-        }
+        self.tree.candidates8(leaf, &self.ray, &self.setup, tally, || self.walk.slabs)
     }
 }
 
@@ -527,6 +583,89 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                 self.limits[packet] = limit;
                 block.set_limit(packet, limit);
             }
+        }
+    }
+}
+
+/// The rays of a stream on their way through a tree.
+struct StreamSearch<'a, K: Kernel, const ANY: bool> {
+    tree: &'a MeshTree<K>,
+    rays: &'a [Ray<f32>],
+    hits: &'a mut [Hit<f32>],
+}
+
+/// Fewer rays are tested one by one against all triangles of a leaf; more, as packets against one after the other.
+const MANY: usize = 4;
+
+impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> stream::Leaves<T> for StreamSearch<'_, K, ANY> {
+    #[inline(always)]
+    fn test(&mut self, leaf: usize, numbers: &[u16], rays: &mut [StreamRay; stream::RAYS], tally: &mut T) {
+        for numbers in numbers.chunks(8) {
+            if numbers.len() < MANY {
+                for &number in numbers {
+                    self.test_one(leaf, number, rays, tally);
+                }
+            } else {
+                self.test_eight(leaf, numbers, rays, tally);
+            }
+        }
+    }
+}
+
+impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
+    #[inline(always)]
+    fn test_one<T: Tally>(&mut self, leaf: usize, number: u16, rays: &mut [StreamRay; stream::RAYS], tally: &mut T) {
+        let ready = &mut rays[usize::from(number) % stream::RAYS];
+        if ANY && ready.limit().is_nan() {
+            return;
+        }
+        let ray = Ray::splat(&self.rays[usize::from(number)]);
+        let candidates = self.tree.candidates8(leaf, &ray, &<K as Intersect<f32x8>>::setup(&ray), tally, || {
+            InverseDirection::<f32x8>::of(&ray)
+        });
+        if candidates.mask.any() {
+            self.keep(number, candidates.closest(), ready);
+        }
+    }
+
+    #[inline(always)]
+    fn test_eight<T: Tally>(
+        &mut self,
+        leaf: usize,
+        numbers: &[u16],
+        rays: &mut [StreamRay; stream::RAYS],
+        tally: &mut T,
+    ) {
+        let ray = packet(numbers.iter().map(|&number| &self.rays[usize::from(number)]));
+        let setup = <K as Intersect<f32x8>>::setup(&ray);
+        let Triangles { prepared, numbers: triangles } = &self.tree.leaves[leaf];
+        let (mut best, mut slabs) = (Hit::<f32x8>::miss(), None);
+        for slot in 0..triangles.len() {
+            let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), &ray, &setup);
+            tally.test(|| in_box(&self.tree.boxes(leaf), slot, &ray, &InverseDirection::<f32x8>::of(&ray)));
+            if hit.mask.any() {
+                let slabs = slabs.get_or_insert_with(|| InverseDirection::<f32x8>::of(&ray));
+                let bounds = self.tree.boxes(leaf).lane(slot & 7);
+                keep_closer8(&mut best, &by_box_rule(hit, &bounds, triangles.0[slot & 7], &ray, slabs));
+            }
+        }
+        let mut hit = best.mask.bits();
+        while hit != 0 {
+            let lane = hit.trailing_zeros() as usize & 7;
+            hit &= hit - 1;
+            self.keep(numbers[lane], best.lane(lane), &mut rays[usize::from(numbers[lane]) % stream::RAYS]);
+        }
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, number: u16, candidate: Hit<f32>, ready: &mut StreamRay) {
+        let best = &mut self.hits[usize::from(number)];
+        if ANY {
+            *best = Hit::<f32>::new(true, 0.0, 0.0, 0.0);
+            ready.set_limit(f32::NAN);
+        } else if candidate.is_closer_than(best) {
+            *best = candidate;
+            ready.set_limit(lanes::min(candidate.t, ready.limit()));
         }
     }
 }

@@ -78,6 +78,7 @@ mod scenefile;
 mod single;
 mod source;
 mod stack;
+mod stream;
 mod surface;
 mod tally;
 mod trace;

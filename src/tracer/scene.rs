@@ -401,6 +401,26 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         search
     }
 
+    /// Whether the scene is a mesh and nothing else, and so has streams and blocks.
+    pub(super) fn is_one_mesh(&self) -> bool {
+        self.only_mesh().is_some()
+    }
+
+    /// [`MeshTree::trace_stream`], where the scene is a mesh and nothing else.
+    pub(super) fn trace_stream<const ANY: bool>(
+        &self,
+        rays: &[Ray<f32>],
+        octant: usize,
+        numbers: &mut [u16],
+        hits: &mut [Hit<f32>],
+        scratch: &mut Scratch,
+        tally: &mut impl Tally,
+    ) {
+        if let Some(tree) = self.only_mesh() {
+            tree.trace_stream::<ANY, _>(rays, octant, numbers, hits, &mut scratch.lower, tally);
+        }
+    }
+
     /// [`MeshTree::closest_hit_block`], where the scene is a mesh and nothing else.
     pub(super) fn closest_hit_block(
         &self,

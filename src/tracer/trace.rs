@@ -1,4 +1,4 @@
-//! Tracing many rays: by single rays or packets, on the threads of the current rayon pool.
+//! Tracing many rays: one by one or together, on the threads of the current rayon pool.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::block;
 use super::packet::packet;
 use super::scene::Scratch;
+use super::stream;
 use super::tally::Tally;
 use super::{Counts, Error, Scene};
 use crate::geom::{Hit, Ray, Triangle};
@@ -18,9 +19,10 @@ pub enum Mode {
     Scalar,
     /// One by one, each against eight boxes or eight triangles at a time: for rays that have little in common.
     Single,
-    /// Many consecutive rays together: for rays that start and run alike.
+    /// Many consecutive rays together: blocks of rays that start and run alike, and streams of those that do not. Where there
+    /// are instances, packets of eight.
     Packet,
-    /// [`Mode::Single`] or [`Mode::Packet`], whichever suits the rays at hand.
+    /// [`Mode::Single`] or [`Mode::Packet`], whichever suits the scene and the rays at hand.
     Auto,
 }
 
@@ -39,9 +41,10 @@ impl Mode {
     }
 }
 
-/// Rays handed to a thread at a time: few enough to balance, many enough that handing out costs nothing.
-const CHUNK: usize = 1024;
-/// Rays that are sorted by the octants of their directions, if they are not alike.
+/// Rays handed to a thread at a time, of which those that are not alike make a stream for each octant: few enough to balance and
+/// to stay in the cache, many enough that they share nodes.
+const CHUNK: usize = stream::RAYS;
+/// Rays that make packets, by the octants of their directions.
 const GROUP: usize = 256;
 
 /// Traces every ray for its closest hit, or with `any_hit` only for whether there is one; a hit then has `t`, `u`, `v` and
@@ -110,7 +113,9 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
             }
         }
         Mode::Packet | Mode::Auto => {
-            for (hits, rays) in hits.chunks_mut(GROUP).zip(rays.chunks(GROUP)) {
+            let streams = scene.is_one_mesh();
+            let group = if streams { CHUNK } else { GROUP };
+            for (hits, rays) in hits.chunks_mut(group).zip(rays.chunks(group)) {
                 let mut others = Others::new();
                 for (block, rays) in rays.chunks(block::RAYS).enumerate() {
                     let start = block * block::RAYS;
@@ -118,11 +123,15 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
                         others.extend(start, rays);
                     }
                 }
-                // Rays that run in all directions part sooner when they look for the closest hit than when any hit ends them.
-                if mode == Mode::Auto && !any_hit && !others.alike {
-                    others.trace_single(scene, rays, any_hit, hits, scratch, tally);
+                if streams {
+                    others.by_octant().trace_streams(scene, rays, any_hit, hits, scratch, tally);
+                } else if mode == Mode::Auto && !any_hit && !others.alike {
+                    // Rays that run in all directions part sooner when they look for the closest hit than when any hit ends them.
+                    for number in others.numbers() {
+                        hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
+                    }
                 } else {
-                    others.trace_packets(scene, rays, any_hit, hits, scratch, tally);
+                    others.by_octant().trace_packets(scene, rays, any_hit, hits, scratch, tally);
                 }
             }
         }
@@ -171,12 +180,12 @@ fn trace_block<K: Kernel<Shape = Triangle>>(
     true
 }
 
-/// Of [`GROUP`] rays, those that are not in blocks, sorted by the octant of their direction.
+/// Of at most [`CHUNK`] rays, those that are not in blocks.
 struct Others {
-    /// Number of the ray, in its lower byte, and its octant.
-    rays: [u16; GROUP],
+    /// Numbers of rays, and above them their octants.
+    rays: [u16; CHUNK],
     len: usize,
-    of_octant: [usize; 8],
+    lens: [usize; 8],
     /// Whether the rays of each block run about the same way.
     alike: bool,
 }
@@ -186,16 +195,17 @@ const ABOUT: f32 = 0.5;
 
 impl Others {
     fn new() -> Self {
-        Self { rays: [0; GROUP], len: 0, of_octant: [0; 8], alike: true }
+        Self { rays: [0; CHUNK], len: 0, lens: [0; 8], alike: true }
     }
 
+    /// Adds rays, of which the first has the number `start`.
     fn extend(&mut self, start: usize, rays: &[Ray<f32>]) {
         let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (index, ray) in rays.iter().enumerate() {
             let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
             let octant = x | y << 1 | z << 2;
-            self.rays[self.len % GROUP] = (octant << 8 | (start + index)) as u16;
-            self.of_octant[octant] += 1;
+            self.rays[self.len % CHUNK] = (octant * CHUNK + start + index) as u16;
+            self.lens[octant] += 1;
             self.len += 1;
             (least, greatest) = (least.min(ray.dir), greatest.max(ray.dir));
         }
@@ -203,25 +213,37 @@ impl Others {
         self.alike &= (greatest - least).max_element() <= ABOUT * longest;
     }
 
-    /// Their numbers, octant by octant.
-    fn sorted(&self) -> [u8; GROUP] {
+    fn numbers(&self) -> impl Iterator<Item = usize> {
+        self.rays[..self.len].iter().map(|&ray| usize::from(ray) % CHUNK)
+    }
+
+    /// Sorted, in their order within each octant.
+    fn by_octant(&self) -> ByOctant {
         let (mut next, mut start) = ([0; 8], 0);
-        for (next, len) in next.iter_mut().zip(self.of_octant) {
+        for (next, len) in next.iter_mut().zip(self.lens) {
             *next = start;
             start += len;
         }
-        let mut sorted = [0; GROUP];
+        let mut numbers = [0; CHUNK];
         for &ray in &self.rays[..self.len] {
-            let place = &mut next[usize::from(ray >> 8) & 7];
-            sorted[*place % GROUP] = ray as u8;
+            let place = &mut next[usize::from(ray) / CHUNK % 8];
+            numbers[*place % CHUNK] = ray % CHUNK as u16;
             *place += 1;
         }
-        sorted
+        ByOctant { numbers, lens: self.lens }
     }
+}
 
-    /// One by one.
-    fn trace_single<K: Kernel<Shape = Triangle>>(
-        &self,
+/// Numbers of rays, octant by octant, and how many there are of each.
+struct ByOctant {
+    numbers: [u16; CHUNK],
+    lens: [usize; 8],
+}
+
+impl ByOctant {
+    /// Traces the rays as streams.
+    fn trace_streams<K: Kernel<Shape = Triangle>>(
+        &mut self,
         scene: &Scene<K>,
         rays: &[Ray<f32>],
         any_hit: bool,
@@ -229,13 +251,18 @@ impl Others {
         scratch: &mut Scratch,
         tally: &mut impl Tally,
     ) {
-        for &ray in &self.rays[..self.len] {
-            let number = usize::from(ray as u8);
-            hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
+        let mut rest = &mut self.numbers[..];
+        for (octant, len) in self.lens.into_iter().enumerate() {
+            let numbers = rest.split_off_mut(..len).unwrap_or_default();
+            if any_hit {
+                scene.trace_stream::<true>(rays, octant, numbers, hits, scratch, tally);
+            } else {
+                scene.trace_stream::<false>(rays, octant, numbers, hits, scratch, tally);
+            }
         }
     }
 
-    /// As packets.
+    /// Traces them as packets.
     fn trace_packets<K: Kernel<Shape = Triangle>>(
         &self,
         scene: &Scene<K>,
@@ -245,9 +272,8 @@ impl Others {
         scratch: &mut Scratch,
         tally: &mut impl Tally,
     ) {
-        let sorted = self.sorted();
-        let mut rest = &sorted[..self.len];
-        let octants = self.of_octant.map(|len| rest.split_off(..len).unwrap_or_default());
+        let mut rest = &self.numbers[..];
+        let octants = self.lens.map(|len| rest.split_off(..len).unwrap_or_default());
         for numbers in octants.into_iter().flat_map(|numbers| numbers.chunks(8)) {
             if let [number] = numbers {
                 let number = usize::from(*number);

@@ -64,12 +64,7 @@ impl Kernel for KenslerShirley<f32> {
 
     #[inline(always)]
     fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self {
-            v0: packet.v0.lane(lane),
-            e1: packet.e1.lane(lane),
-            e2: packet.e2.lane(lane),
-            n: packet.n.lane(lane),
-        }
+        Self { v0: packet.v0.lane(lane), e1: packet.e1.lane(lane), e2: packet.e2.lane(lane), n: packet.n.lane(lane) }
     }
 }
 
