@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use raylanes::geom::Shape;
+use glam::Vec3;
+use raylanes::geom::{Aabb, Shape, Triangle};
 use raylanes::kernels::{Kernel, Operations};
 use raylanes::registry::{self, Visitor};
 
@@ -22,6 +23,39 @@ impl<S: Shape> Visitor<S> for Methods {
         self.ids.push(info.id.to_string());
         self.methods.insert(info.id.method.into());
     }
+}
+
+/// Whether kernels that know the boxes of eight triangles know the right ones.
+struct Bounds {
+    triangles: [Triangle; 8],
+    known: usize,
+}
+
+impl Visitor<Triangle> for Bounds {
+    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+        let Some(bounds) = K::bounds(&K::gather(&self.triangles.each_ref().map(K::prepare))) else { return };
+        self.known += 1;
+        for (lane, triangle) in self.triangles.iter().enumerate() {
+            let bounds = Aabb { lo: bounds.lo.lane(lane), hi: bounds.hi.lane(lane) };
+            assert_eq!(bounds, triangle.bounds(), "{}, lane {lane}", K::INFO.id);
+        }
+    }
+}
+
+#[test]
+fn boxes_that_kernels_know_are_those_of_the_shapes() {
+    let vertex = |number: usize| {
+        let component = |by: usize| ((number * 7919 + 17) * by % 1009) as f32 / 1009.0 - 0.5;
+        Vec3::new(component(31), component(101), component(331))
+    };
+    let triangles = std::array::from_fn(|index| Triangle {
+        v0: vertex(3 * index),
+        v1: vertex(3 * index + 1),
+        v2: vertex(3 * index + 2),
+    });
+    let mut bounds = Bounds { triangles, known: 0 };
+    registry::triangles(&mut bounds);
+    assert!(bounds.known >= 4, "{} kernels know boxes", bounds.known);
 }
 
 fn registered() -> Methods {

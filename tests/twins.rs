@@ -251,6 +251,8 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
     for (lane, row) in scalar.iter().enumerate() {
         let face = || "8 rays x 8 primitives".into();
         compare::<K>(face, case, lane, lane, lane, row[lane], hits.lane(lane))?;
+        let face = || "1 ray x 1 primitive taken out of 8".into();
+        compare::<K>(face, case, lane, lane, lane, row[lane], hit(&K::lane(&gathered, lane), &case.rays[lane]))?;
     }
     Ok(())
 }
