@@ -50,7 +50,19 @@ pub(super) struct Interval {
     limit: f32,
 }
 
-/// The packets of a block, and the intervals of each and of all together.
+impl Interval {
+    const NOTHING: Self = Self {
+        near_origin: [0.0; 3],
+        near_inv: [0.0; 3],
+        far_origin: [0.0; 3],
+        far_inv: [0.0; 3],
+        t_min: 0.0,
+        limit: 0.0,
+    };
+}
+
+/// The packets of a block, and the intervals of each and of all together. As big as it is, it stays where it is.
+#[derive(Debug)]
 pub(super) struct Block {
     pub(super) packets: [Ray<f32x8>; PACKETS],
     // One lane for each packet.
@@ -68,108 +80,126 @@ pub(super) struct Block {
     pub(super) one_origin: bool,
 }
 
+/// Any function, not a pointer to one: that would be called.
 #[inline(always)]
-fn reduce(of: fn(f32x8, f32x8) -> f32x8, [a, b, c, d, e, f, g, h]: [f32x8; 8]) -> f32x8 {
+fn reduce<T>(of: impl Fn(T, T) -> T, [a, b, c, d, e, f, g, h]: [T; 8]) -> T {
     of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
 }
 
 #[inline(always)]
-fn fold(of: fn(f32, f32) -> f32, v: f32x8) -> f32 {
-    let [a, b, c, d, e, f, g, h] = v.to_array();
-    of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
+fn least(v: f32x8) -> f32 {
+    reduce(lanes::min, v.to_array())
+}
+
+#[inline(always)]
+fn greatest(v: f32x8) -> f32 {
+    reduce(lanes::max, v.to_array())
+}
+
+/// For each axis. `array::map` is not always inlined.
+#[inline(always)]
+fn axes<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+    [of(0), of(1), of(2)]
 }
 
 impl Block {
-    /// The rays, at least one and at most [`RAYS`], if they are alike: all valid, none from behind its origin, all directions
-    /// in one octant and nearly the same, and origins close to each other for items of the given size.
+    /// Without rays.
+    pub(super) fn new() -> Self {
+        let nothing = f32x8::ZERO;
+        Self {
+            packets: [of_rows([nothing; 8]); PACKETS],
+            near_origin: [nothing; 3],
+            near_inv: [nothing; 3],
+            far_origin: [nothing; 3],
+            far_inv: [nothing; 3],
+            t_min: nothing,
+            limit: [0.0; PACKETS],
+            whole: Interval::NOTHING,
+            octant: 0,
+            one_origin: true,
+        }
+    }
+
+    /// Takes over the rays, at least one and at most [`RAYS`], if they are alike: all valid, none from behind its origin, all
+    /// directions in one octant and nearly the same, and origins close to each other for items of the given size. Says whether.
     #[inline(always)]
-    pub(super) fn of(rays: &[Ray<f32>], item_size: f32) -> Option<Self> {
-        let last = rays.last()?;
+    pub(super) fn take(&mut self, rays: &[Ray<f32>], item_size: f32) -> bool {
+        let Some(last) = rays.last() else { return false };
         let filler = row(&Ray { origin: last.origin, dir: last.dir, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY });
-        let (mut least, mut greatest) = ([filler; PACKETS], [filler; PACKETS]);
-        let mut packets = [of_rows([filler; 8]); PACKETS];
+        let (mut low, mut high) = ([filler; PACKETS], [filler; PACKETS]);
         // Finite numbers and infinite ends of intervals stay numbers, everything else becomes NaN.
         let finite = f32x8::new([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
         let mut valid = Mask8::all_lanes();
-        for (index, rays) in rays.chunks(8).enumerate() {
+        for (index, packet) in self.packets.iter_mut().enumerate() {
             let mut rows = [filler; 8];
-            for (row_of, ray) in rows.iter_mut().zip(rays) {
-                *row_of = row(ray);
+            if let Some(rays) = rays.get(8 * index..) {
+                for (row_of, ray) in rows.iter_mut().zip(rays) {
+                    *row_of = row(ray);
+                }
             }
             for row in rows {
                 let number = row * finite;
                 valid = valid & eq8(number, number);
             }
-            least[index & 7] = reduce(min8, rows);
-            greatest[index & 7] = reduce(max8, rows);
-            packets[index & 7] = of_rows(rows);
+            low[index & 7] = reduce(min8, rows);
+            high[index & 7] = reduce(max8, rows);
+            *packet = of_rows(rows);
         }
-        let (all_least, all_greatest) = (reduce(min8, least), reduce(max8, greatest));
-        let [lx, ly, lz, t_least, ldx, ldy, ldz, _] = all_least.to_array();
-        let [gx, gy, gz, _, gdx, gdy, gdz, _] = all_greatest.to_array();
+        let [lx, ly, lz, t_least, ldx, ldy, ldz, _] = reduce(min8, low).to_array();
+        let [gx, gy, gz, _, gdx, gdy, gdz, _] = reduce(max8, high).to_array();
         let (lo, hi) = (Vec3::new(lx, ly, lz), Vec3::new(gx, gy, gz));
         let (dir_lo, dir_hi) = (Vec3::new(ldx, ldy, ldz), Vec3::new(gdx, gdy, gdz));
         let longest = dir_lo.abs().max(dir_hi.abs()).max_element();
         let alike = (dir_hi - dir_lo).max_element() <= ALIKE * longest;
-        let one_origin = lo == hi;
-        let close = one_origin || (hi - lo).length() <= CLOSE * item_size;
+        self.one_origin = lo == hi;
+        let close = self.one_origin || (hi - lo).length() <= CLOSE * item_size;
         // As a sign of zero may have been lost in a minimum, a zero is no sign at all.
         let one_octant = [0, 1, 2].into_iter().all(|axis| dir_lo[axis] > 0.0 || dir_hi[axis] < 0.0);
         if !(alike && close && one_octant && t_least >= 0.0 && valid.all()) {
-            return None;
+            return false;
         }
-        Some(Self::bounding(packets, least, greatest, one_origin))
+        self.bound(low, high);
+        true
     }
 
+    /// Sets the intervals, from the least and the greatest rows of each packet.
     #[inline(always)]
-    fn bounding(packets: [Ray<f32x8>; PACKETS], least: [f32x8; 8], greatest: [f32x8; 8], one_origin: bool) -> Self {
-        let [lx, ly, lz, t_min, ldx, ldy, ldz, _] = f32x8::transpose(least);
-        let [gx, gy, gz, _, gdx, gdy, gdz, t_max] = f32x8::transpose(greatest);
+    fn bound(&mut self, low: [f32x8; 8], high: [f32x8; 8]) {
+        let [lx, ly, lz, t_min, ldx, ldy, ldz, _] = f32x8::transpose(low);
+        let [gx, gy, gz, _, gdx, gdy, gdz, t_max] = f32x8::transpose(high);
         let (lo, hi, dir_lo, dir_hi) = ([lx, ly, lz], [gx, gy, gz], [ldx, ldy, ldz], [gdx, gdy, gdz]);
-        let negative = dir_lo.map(|dir| dir.as_array()[0] < 0.0);
+        let negative = axes(|axis| dir_lo[axis].as_array()[0] < 0.0);
         let one = f32x8::ONE;
         // What is nearest to the near planes, and slowest in `t`; and the other way round.
-        let axes = [0, 1, 2];
-        let near_origin = axes.map(|axis: usize| if negative[axis] { lo[axis] } else { hi[axis] });
-        let far_origin = axes.map(|axis: usize| if negative[axis] { hi[axis] } else { lo[axis] });
-        let near_inv = axes.map(|axis: usize| one / if negative[axis] { dir_lo[axis] } else { dir_hi[axis] });
-        let far_inv =
-            axes.map(|axis: usize| one / if negative[axis] { dir_hi[axis] } else { dir_lo[axis] } * f32x8::splat(PAD));
-        let outermost = |vectors: &[f32x8; 3], greatest: bool| {
-            axes.map(|axis: usize| {
-                fold(if greatest != negative[axis] { lanes::max } else { lanes::min }, vectors[axis])
-            })
+        self.near_origin = axes(|axis| if negative[axis] { lo[axis] } else { hi[axis] });
+        self.far_origin = axes(|axis| if negative[axis] { hi[axis] } else { lo[axis] });
+        self.near_inv = axes(|axis| one / if negative[axis] { dir_lo[axis] } else { dir_hi[axis] });
+        self.far_inv = axes(|axis| one / if negative[axis] { dir_hi[axis] } else { dir_lo[axis] } * f32x8::splat(PAD));
+        let outermost = |vectors: &[f32x8; 3], upper: bool| {
+            axes(|axis| if upper != negative[axis] { greatest(vectors[axis]) } else { least(vectors[axis]) })
         };
-        Self {
-            packets,
-            whole: Interval {
-                near_origin: outermost(&near_origin, true),
-                near_inv: outermost(&near_inv, false),
-                far_origin: outermost(&far_origin, false),
-                far_inv: outermost(&far_inv, true),
-                t_min: fold(lanes::min, t_min),
-                limit: fold(lanes::max, t_max),
-            },
-            near_origin,
-            near_inv,
-            far_origin,
-            far_inv,
-            t_min,
-            limit: t_max.to_array(),
-            octant: usize::from(negative[0]) | usize::from(negative[1]) << 1 | usize::from(negative[2]) << 2,
-            one_origin,
-        }
+        self.whole = Interval {
+            near_origin: outermost(&self.near_origin, true),
+            near_inv: outermost(&self.near_inv, false),
+            far_origin: outermost(&self.far_origin, false),
+            far_inv: outermost(&self.far_inv, true),
+            t_min: least(t_min),
+            limit: greatest(t_max),
+        };
+        self.t_min = t_min;
+        self.limit = t_max.to_array();
+        self.octant = usize::from(negative[0]) | usize::from(negative[1]) << 1 | usize::from(negative[2]) << 2;
     }
 
     /// Sets where the search of a packet ends.
     #[inline(always)]
     pub(super) fn set_limit(&mut self, packet: usize, limit: f32x8) {
-        self.limit[packet & 7] = fold(lanes::max, limit);
+        self.limit[packet & 7] = greatest(limit);
     }
 
     #[inline(always)]
     fn interval(&self, packet: usize) -> Interval {
-        let at = |vectors: &[f32x8; 3]| [0, 1, 2].map(|axis: usize| vectors[axis].as_array()[packet & 7]);
+        let at = |vectors: &[f32x8; 3]| axes(|axis| vectors[axis].as_array()[packet & 7]);
         Interval {
             near_origin: at(&self.near_origin),
             near_inv: at(&self.near_inv),
@@ -274,7 +304,7 @@ impl Bvh {
                 Ok(leaf) => {
                     tally.leaf();
                     test(leaf, packets, block, tally);
-                    block.whole.limit = fold(lanes::max, f32x8::new(block.limit));
+                    block.whole.limit = greatest(f32x8::new(block.limit));
                 }
             }
             child = loop {

@@ -183,6 +183,25 @@ impl Bvh {
         bvh
     }
 
+    /// A node with a leaf for each of at most eight items.
+    #[cfg(test)]
+    pub(super) fn with_leaves(items: &[Aabb]) -> Self {
+        let slot = |slot: usize| (slot < items.len()).then_some(slot as u32);
+        let leaf = |item: u32| Leaf([item, u32::MAX, u32::MAX, u32::MAX, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
+        Self {
+            nodes: vec![Node {
+                boxes: Boxes::new(std::array::from_fn(|index| items.get(index).copied().unwrap_or(Aabb::EMPTY))),
+                children: std::array::from_fn(|index| {
+                    slot(index).map_or(Child::NONE, |item| Child(item | Child::LEAF))
+                }),
+            }],
+            leaves: (0..items.len() as u32).map(leaf).collect(),
+            root: Child(0),
+            bounds: items.iter().fold(Aabb::EMPTY, |bounds, one| bounds.union(one)),
+            item_size: 0.0,
+        }
+    }
+
     /// Copies the tree depth first, without boxes.
     fn pack(plan: &Collapse<'_>, bounds: Aabb) -> Self {
         let no_boxes = Boxes::new([Aabb::EMPTY; 8]);

@@ -4,10 +4,11 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::block::{Block, RAYS};
-use super::bvh::Boxes;
+use super::bvh::{Boxes, Bvh};
 use super::generator::hash;
 use super::packet::{PacketRays, packet, sides};
 use super::single::SingleRay;
+use super::stream::{self, StreamRay, Streams};
 use crate::geom::lanes::le8;
 use crate::geom::{Aabb, Ray};
 use crate::kernels::aabb::{InverseDirection, pad, slab_interval};
@@ -124,6 +125,63 @@ fn single_rays_and_packets_are_never_stricter() {
     assert!(hits > 200_000 && together * 4 > hits * 3, "{hits} hits, {together} of them in packets");
 }
 
+fn block_of(rays: &[Ray<f32>], item_size: f32) -> Option<Block> {
+    let mut block = Block::new();
+    block.take(rays, item_size).then_some(block)
+}
+
+/// Which rays a stream brings to which boxes.
+struct Met(Vec<(usize, usize)>);
+
+impl stream::Leaves<()> for Met {
+    fn test(&mut self, leaf: usize, numbers: &[u16], _: &mut [StreamRay; stream::RAYS], (): &mut ()) {
+        self.0.extend(numbers.iter().map(|&number| (usize::from(number), leaf)));
+    }
+}
+
+#[test]
+fn streams_are_never_stricter() {
+    let mut random = Random(3);
+    let (mut hits, mut together, mut streams) = (0, 0, Streams::new());
+    for round in 0..20_000 {
+        let scale = SCALES[round % SCALES.len()];
+        let all = random.boxes(scale);
+        let used: Vec<Aabb> = all.iter().copied().filter(|one| one.lo.x <= one.hi.x).collect();
+        let Some(target) = used.first() else { continue };
+        // A leaf for each box.
+        let tree = Bvh::with_leaves(&used);
+        let first = random.ray(target, scale);
+        let same_octant =
+            |ray: &Ray<f32>| (0..3).all(|axis| ray.dir[axis].is_sign_negative() == first.dir[axis].is_sign_negative());
+        let count = [1, 3, 4, 7, 8, 9, 30][random.below(7)];
+        let rays: Vec<_> =
+            std::iter::repeat_with(|| random.ray(target, scale)).filter(same_octant).take(count).collect();
+        let mut numbers = Vec::new();
+        for (number, ray) in rays.iter().enumerate() {
+            if let Some(ready) = StreamRay::of(ray, &tree.bounds) {
+                streams.rays[number] = ready;
+                numbers.push(number as u16);
+            }
+        }
+        let [x, y, z] = first.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
+        let t_min = rays.iter().fold(f32::INFINITY, |least, ray| least.min(ray.t_min));
+        let mut met = Met(Vec::new());
+        tree.walk_stream::<false, _>(x | y << 1 | z << 2, &numbers, t_min, &mut streams, &mut (), &mut met);
+        for (number, ray) in rays.iter().enumerate() {
+            for (leaf, one) in tree.leaves.iter().map(|leaf| &used[leaf.0[0] as usize]).enumerate() {
+                if by_the_rule(one, ray).is_some() {
+                    hits += 1;
+                    if numbers.contains(&(number as u16)) {
+                        together += 1;
+                        assert!(met.0.contains(&(number, leaf)), "{one:?}, {ray:?}, one of {count}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(hits > 100_000 && together * 2 > hits, "{hits} hits, {together} of them in streams");
+}
+
 #[test]
 fn blocks_are_never_stricter() {
     let mut random = Random(2);
@@ -143,7 +201,7 @@ fn blocks_are_never_stricter() {
                 t_max: if random.below(3) == 0 { scale / first.dir.length() } else { f32::INFINITY },
             })
             .collect();
-        let Some(block) = Block::of(&rays, scale) else { continue };
+        let Some(block) = block_of(&rays, scale) else { continue };
         blocks += 1;
         let side = sides(block.octant);
         let (entry, whole) = block.whole.boxes(&boxes, side);
@@ -168,7 +226,7 @@ fn blocks_are_of_rays_that_are_alike() {
     let with = |index: usize, change: fn(&mut Ray<f32>)| {
         let mut rays = alike.clone();
         change(&mut rays[index]);
-        Block::of(&rays, 1.0)
+        block_of(&rays, 1.0)
     };
     let block = with(3, |_| {}).unwrap();
     assert!(block.one_origin && block.octant == 4);
@@ -196,5 +254,5 @@ fn blocks_are_of_rays_that_are_alike() {
             assert!(with(index, change).is_none(), "change {number} of ray {index}");
         }
     }
-    assert!(Block::of(&[], 1.0).is_none());
+    assert!(block_of(&[], 1.0).is_none());
 }

@@ -43,6 +43,7 @@ pub(super) struct Stacks {
     pub(super) single: Places<single::Visit>,
     pub(super) packet: Places<packet::Visit>,
     pub(super) block: Places<block::Visit>,
+    pub(super) rays: Box<Block>,
     pub(super) streams: Streams,
 }
 
@@ -53,6 +54,7 @@ impl Stacks {
             single: Places::new(single::ANYTHING),
             packet: Places::new(packet::ANYTHING),
             block: Places::new(block::ANYTHING),
+            rays: Box::new(Block::new()),
             streams: Streams::new(),
         }
     }
@@ -252,20 +254,22 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         self.bvh.walk_stream::<ANY, T>(octant, &numbers[..len], t_min, streams, tally, &mut search);
     }
 
-    /// The closest hits of at most [`block::RAYS`] rays, if they are alike; else `None`.
+    /// The closest hits of at most [`block::RAYS`] rays, if they are alike. Says whether.
     #[inline(always)]
     pub(super) fn closest_hit_block<T: Tally>(
         &self,
         rays: &[Ray<f32>],
         hits: &mut [Hit<f32>],
-        stacks: &mut Stacks,
+        Stacks { block: places, rays: block, .. }: &mut Stacks,
         tally: &mut T,
-    ) -> Option<()> {
-        let mut block = Block::of(rays, self.bvh.item_size)?;
-        let mut search = BlockSearch::new(self, &block);
+    ) -> bool {
+        if !block.take(rays, self.bvh.item_size) {
+            return false;
+        }
+        let mut search = BlockSearch::new(self, block);
         let mut best = [Hit::<f32x8>::miss(); PACKETS];
         let mut any = false;
-        self.bvh.walk_block::<false, T>(&mut block, &mut stacks.block, tally, |leaf, packets, block, tally| {
+        self.bvh.walk_block::<false, T>(block, places, tally, |leaf, packets, block, tally| {
             search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
                 any = true;
                 keep_closer8(&mut best[packet], candidate);
@@ -279,7 +283,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         } else {
             hits.fill(Hit::MISS);
         }
-        Some(())
+        true
     }
 
     /// Whether there are hits for at most [`block::RAYS`] rays, if they are alike; else `None`.
@@ -287,13 +291,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     pub(super) fn any_hit_block<T: Tally>(
         &self,
         rays: &[Ray<f32>],
-        stacks: &mut Stacks,
+        Stacks { block: places, rays: block, .. }: &mut Stacks,
         tally: &mut T,
     ) -> Option<[Mask8; PACKETS]> {
-        let mut block = Block::of(rays, self.bvh.item_size)?;
-        let mut search = BlockSearch::new(self, &block);
+        if !block.take(rays, self.bvh.item_size) {
+            return None;
+        }
+        let mut search = BlockSearch::new(self, block);
         let mut found = [Mask8::none(); PACKETS];
-        self.bvh.walk_block::<true, T>(&mut block, &mut stacks.block, tally, |leaf, packets, block, tally| {
+        self.bvh.walk_block::<true, T>(block, places, tally, |leaf, packets, block, tally| {
             search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
                 found[packet] = found[packet] | candidate.mask;
                 candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), limit)
@@ -535,8 +541,14 @@ struct BlockSearch<'a, K: Kernel> {
 impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
     #[inline(always)]
     fn new(tree: &'a MeshTree<K>, block: &Block) -> Self {
-        let limits = block.packets.each_ref().map(|ray| ray.t_max);
-        Self { tree, setups: [const { None }; PACKETS], rays: [const { None }; PACKETS], limits }
+        let [a, b, c, d, e, f, g, h] = &block.packets;
+        Self {
+            tree,
+            // One by one: an array of one constant would be copied, all of it.
+            setups: [None, None, None, None, None, None, None, None],
+            rays: [None, None, None, None, None, None, None, None],
+            limits: [a.t_max, b.t_max, c.t_max, d.t_max, e.t_max, f.t_max, g.t_max, h.t_max],
+        }
     }
 
     /// Tests the triangles of a leaf whose boxes the packets may hit, of which each has a bit. Calls `keep` with a packet, what

@@ -428,8 +428,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         hits: &mut [Hit<f32>],
         scratch: &mut Scratch,
         tally: &mut impl Tally,
-    ) -> Option<()> {
-        self.only_mesh()?.closest_hit_block(rays, hits, &mut scratch.lower, tally)
+    ) -> bool {
+        self.only_mesh().is_some_and(|tree| tree.closest_hit_block(rays, hits, &mut scratch.lower, tally))
     }
 
     /// [`MeshTree::any_hit_block`], where the scene is a mesh and nothing else.

@@ -168,7 +168,7 @@ fn trace_block<K: Kernel<Shape = Triangle>>(
     tally: &mut impl Tally,
 ) -> bool {
     if !any_hit {
-        return scene.closest_hit_block(rays, hits, scratch, tally).is_some();
+        return scene.closest_hit_block(rays, hits, scratch, tally);
     }
     let Some(masks) = scene.any_hit_block(rays, scratch, tally) else { return false };
     for (hits, mask) in hits.chunks_mut(8).zip(masks) {
