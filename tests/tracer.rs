@@ -348,6 +348,27 @@ fn rays_that_are_alike_have_identical_hits() {
     }
 }
 
+/// Rays from one point, of which neighbours run a little apart, but meet triangles that are far smaller: blocks would meet
+/// hundreds, and must give up early.
+#[test]
+fn rays_that_only_look_alike_have_identical_hits_and_do_not_meet_more_triangles() {
+    let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e5").unwrap().load().unwrap();
+    let mut random = Random(23);
+    let mut rays = view.camera(64, 64).rays(64, 64);
+    for ray in &mut rays {
+        ray.dir += vec3(&mut random) * (0.03 * ray.dir.length());
+    }
+    let scene = Scene::<Woop<f32>>::new(world);
+    for any_hit in [false, true] {
+        let expected = trace(&scene, &rays, any_hit, Mode::Single);
+        for mode in [Mode::Packet, Mode::Auto] {
+            assert_same("turned rays", &rays, &expected, &trace(&scene, &rays, any_hit, mode));
+        }
+        let [single, packet] = [Mode::Single, Mode::Packet].map(|mode| count(&scene, &rays, any_hit, mode));
+        assert!(packet.tests < 3 * single.tests, "{packet:?}, {single:?}");
+    }
+}
+
 /// What the second application of the rule does, seen from outside: an instance alone has the hits of the transformed ray, but
 /// for those that miss its world box, and with `t` clamped to it. Far-away rays need the clamp often.
 #[test]

@@ -4,7 +4,7 @@ use glam::Vec3;
 use wide::{f32x8, u32x8};
 
 use super::Mesh;
-use super::block::{self, Block, PACKETS};
+use super::block::{self, Block, Outcome, PACKETS};
 use super::box_rule::Span;
 use super::bvh::{Boxes, Bvh, Child, Leaf};
 use super::packet::{self, Groups, PacketRays, only, packet, sides};
@@ -254,7 +254,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         self.bvh.walk_stream::<ANY, T>(octant, &numbers[..len], t_min, streams, tally, &mut search);
     }
 
-    /// The closest hits of at most [`block::RAYS`] rays, if they are alike. Says whether.
+    /// The closest hits of at most [`block::RAYS`] rays, if a block suits them.
     #[inline(always)]
     pub(super) fn closest_hit_block<T: Tally>(
         &self,
@@ -262,20 +262,23 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         hits: &mut [Hit<f32>],
         Stacks { block: places, rays: block, .. }: &mut Stacks,
         tally: &mut T,
-    ) -> bool {
+    ) -> Outcome {
         if !block.take(rays, self.bvh.item_size) {
-            return false;
+            return Outcome::Unlike;
         }
         let mut search = BlockSearch::new(self, block);
         let mut best = [Hit::<f32x8>::miss(); PACKETS];
         let mut any = false;
-        self.bvh.walk_block::<false, T>(block, places, tally, |leaf, packets, block, tally| {
+        let ended = self.bvh.walk_block::<false, T>(block, places, tally, |leaf, packets, block, tally| {
             search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
                 any = true;
                 keep_closer8(&mut best[packet], candidate);
                 lanes::min8(best[packet].t, limit)
             });
         });
+        if !ended {
+            return Outcome::GivenUp;
+        }
         if any {
             for (hits, best) in hits.chunks_mut(8).zip(&best) {
                 best.write(hits);
@@ -283,29 +286,29 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         } else {
             hits.fill(Hit::MISS);
         }
-        true
+        Outcome::Traced
     }
 
-    /// Whether there are hits for at most [`block::RAYS`] rays, if they are alike; else `None`.
+    /// Whether there are hits for at most [`block::RAYS`] rays, or else why a block does not suit them.
     #[inline(always)]
     pub(super) fn any_hit_block<T: Tally>(
         &self,
         rays: &[Ray<f32>],
         Stacks { block: places, rays: block, .. }: &mut Stacks,
         tally: &mut T,
-    ) -> Option<[Mask8; PACKETS]> {
+    ) -> Result<[Mask8; PACKETS], Outcome> {
         if !block.take(rays, self.bvh.item_size) {
-            return None;
+            return Err(Outcome::Unlike);
         }
         let mut search = BlockSearch::new(self, block);
         let mut found = [Mask8::none(); PACKETS];
-        self.bvh.walk_block::<true, T>(block, places, tally, |leaf, packets, block, tally| {
+        let ended = self.bvh.walk_block::<true, T>(block, places, tally, |leaf, packets, block, tally| {
             search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
                 found[packet] = found[packet] | candidate.mask;
                 candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), limit)
             });
         });
-        Some(found)
+        if ended { Ok(found) } else { Err(Outcome::GivenUp) }
     }
 }
 
@@ -575,6 +578,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 7;
                 slots &= slots - 1;
+                block.met += 1;
                 // The interval of rays from different points is wide: one of many triangles that it meets is met by a ray.
                 if !block.one_origin {
                     let bounds = &self.tree.bvh.bounds;

@@ -18,7 +18,7 @@
 //!
 //! Nor does it matter by what test a box is culled, as long as that is never stricter than the slab test of the rule. Walks that
 //! test eight boxes at a time use cheaper ones: a fused slab test whose rounding errors are folded into its addends (`single`,
-//! `packet`), and intervals that contain many rays (`block`). The slab test itself only judges candidates.
+//! `packet`, `stream`), and intervals that contain many rays (`block`). The slab test itself only judges candidates.
 //!
 //! # Ways of walking
 //!
@@ -26,11 +26,13 @@
 //! | --- | --- | --- |
 //! | `scalar` | one | one box, one triangle: the reference |
 //! | `single` | one | the eight boxes of a node, the up to eight triangles of a leaf |
-//! | `packet` | eight in one octant, alone once they part | each of the eight boxes, each triangle |
+//! | `packet` | eight in one octant, alone once they part | each of the eight boxes, each triangle; used for instances |
 //! | `block` | up to 64 that are alike, as eight packets | eight boxes; one box for eight packets; each triangle |
+//! | `stream` | up to 2048 in one octant | each of the eight boxes, eight rays at a time; each triangle likewise |
 //!
-//! All walk the same tree (`bvh`, `collapse`), whose leaves hold the triangles' boxes as well: the rule needs them, and so does
-//! culling triangle by triangle. `trace` chooses among them.
+//! All walk the same tree (`bvh`, `collapse`). Its leaves know their triangles' boxes too, which the rule needs, and which cull
+//! triangle by triangle: for kernels that keep vertices as they are, the boxes are computed from those. `trace` chooses among the
+//! walks.
 //!
 //! # Instances
 //!

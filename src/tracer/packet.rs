@@ -1,8 +1,8 @@
 //! Walking a tree with eight rays whose directions have the same signs, for as long as they stay together: every box of a node
 //! is tested against all of them. What only one of them hits, it walks alone.
 //!
-//! Rays that have little in common share the nodes around their origins, and this is where incoherent rays spend most of their
-//! time. As with the packets of I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing",
+//! Rays that have little in common share the nodes around their origins. In a single mesh streams share more of them, and are 1.2
+//! to 1.8 times as fast; packets serve where rays meet instances, eight at a time. As with the packets of I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing",
 //! 2001, and the fallback of C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and Packet-Ray Tracing for
 //! Arbitrary Ray Distributions on the Intel MIC Architecture", 2012.
 //!

@@ -7,7 +7,7 @@ use std::fmt::Debug;
 use glam::Affine3;
 use wide::{f32x8, u32x8};
 
-use super::block::PACKETS;
+use super::block::{Outcome, PACKETS};
 use super::box_rule::Span;
 use super::bvh::{Bvh, Child};
 use super::mesh_tree::{MeshTree, Stacks, in_lane, keep_closer8};
@@ -428,8 +428,9 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         hits: &mut [Hit<f32>],
         scratch: &mut Scratch,
         tally: &mut impl Tally,
-    ) -> bool {
-        self.only_mesh().is_some_and(|tree| tree.closest_hit_block(rays, hits, &mut scratch.lower, tally))
+    ) -> Outcome {
+        let Some(tree) = self.only_mesh() else { return Outcome::Unlike };
+        tree.closest_hit_block(rays, hits, &mut scratch.lower, tally)
     }
 
     /// [`MeshTree::any_hit_block`], where the scene is a mesh and nothing else.
@@ -438,8 +439,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         rays: &[Ray<f32>],
         scratch: &mut Scratch,
         tally: &mut impl Tally,
-    ) -> Option<[Mask8; PACKETS]> {
-        self.only_mesh()?.any_hit_block(rays, &mut scratch.lower, tally)
+    ) -> Result<[Mask8; PACKETS], Outcome> {
+        self.only_mesh().ok_or(Outcome::Unlike)?.any_hit_block(rays, &mut scratch.lower, tally)
     }
 
     /// Puts an instance's closest hit in place of a farther one. `closest_hit` gets a tree, the ray as the object sees it, and

@@ -19,6 +19,7 @@ use wide::{f32x8, u8x16};
 use super::bvh::{Bvh, Child, Node};
 use super::packet::sides;
 use super::single::{ERROR, LARGEST, STEEPEST};
+use super::stack::Places;
 use super::tally::Tally;
 use crate::geom::lanes::{le8, max8, min8};
 use crate::geom::{Aabb, Ray};
@@ -82,12 +83,16 @@ struct Task {
 pub(super) struct Streams {
     pub(super) rays: Box<[StreamRay; RAYS]>,
     lists: Vec<u16>,
-    tasks: Vec<Task>,
+    tasks: Places<Task>,
 }
 
 impl Streams {
     pub(super) fn new() -> Self {
-        Self { rays: Box::new([StreamRay::NOTHING; RAYS]), lists: vec![0; 64 * RAYS], tasks: Vec::new() }
+        Self {
+            rays: Box::new([StreamRay::NOTHING; RAYS]),
+            lists: vec![0; 64 * RAYS],
+            tasks: Places::new(Task { child: Child::NONE, start: 0, len: 0 }),
+        }
     }
 }
 
@@ -112,7 +117,7 @@ impl Bvh {
         let (side, first) = (sides(octant), if ANY { octant } else { octant ^ 7 });
         let Streams { rays, lists, tasks } = streams;
         lists[..numbers.len()].copy_from_slice(numbers);
-        tasks.clear();
+        let mut tasks = tasks.stack();
         let mut task = Task { child: self.root, start: 0, len: numbers.len() as u32 };
         loop {
             let (start, len) = (task.start as usize, task.len as usize);
@@ -134,13 +139,12 @@ impl Bvh {
                     } else {
                         test_long(node, list, rays, side, t_min, &mut ends, above);
                     }
+                    tasks.make_room();
                     for index in 0..8 {
                         let slot = index ^ first & 7;
-                        let count = ends[slot] - index * room;
-                        if count != 0 {
-                            let start = (base + index * room) as u32;
-                            tasks.push(Task { child: node.children[slot], start, len: count as u32 });
-                        }
+                        let (start, len) = (base + index * room, ends[slot] - index * room);
+                        let task = Task { child: node.children[slot], start: start as u32, len: len as u32 };
+                        tasks.push_if(task, len != 0);
                     }
                 }
                 Ok(leaf) => {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::block;
+use super::block::{self, Outcome};
 use super::packet::packet;
 use super::scene::Scratch;
 use super::stream;
@@ -117,11 +117,27 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
             let group = if streams { CHUNK } else { GROUP };
             for (hits, rays) in hits.chunks_mut(group).zip(rays.chunks(group)) {
                 let mut others = Others::new();
+                // After each block in a row that was given up, twice as many are not tried.
+                let (mut given_up, mut skip) = (0, 0);
                 for (block, rays) in rays.chunks(block::RAYS).enumerate() {
                     let start = block * block::RAYS;
-                    if !trace_block(scene, rays, any_hit, &mut hits[start..start + rays.len()], scratch, tally) {
-                        others.extend(start, rays);
+                    let hits = &mut hits[start..start + rays.len()];
+                    if skip > 0 {
+                        skip -= 1;
+                    } else {
+                        match trace_block(scene, rays, any_hit, hits, scratch, tally) {
+                            Outcome::Traced => {
+                                given_up = 0;
+                                continue;
+                            }
+                            Outcome::GivenUp => {
+                                given_up += 1;
+                                skip = 1 << given_up;
+                            }
+                            Outcome::Unlike => {}
+                        }
                     }
+                    others.extend(start, rays);
                 }
                 if streams {
                     others.by_octant().trace_streams(scene, rays, any_hit, hits, scratch, tally);
@@ -158,7 +174,7 @@ fn single<K: Kernel<Shape = Triangle>>(
     }
 }
 
-/// Whether the rays were traced as a block.
+/// Traces the rays as a block, if that suits them.
 fn trace_block<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
@@ -166,18 +182,21 @@ fn trace_block<K: Kernel<Shape = Triangle>>(
     hits: &mut [Hit<f32>],
     scratch: &mut Scratch,
     tally: &mut impl Tally,
-) -> bool {
+) -> Outcome {
     if !any_hit {
         return scene.closest_hit_block(rays, hits, scratch, tally);
     }
-    let Some(masks) = scene.any_hit_block(rays, scratch, tally) else { return false };
+    let masks = match scene.any_hit_block(rays, scratch, tally) {
+        Ok(masks) => masks,
+        Err(outcome) => return outcome,
+    };
     for (hits, mask) in hits.chunks_mut(8).zip(masks) {
         let bits = mask.bits();
         for (lane, hit) in hits.iter_mut().enumerate() {
             *hit = found(bits >> lane & 1 == 1);
         }
     }
-    true
+    Outcome::Traced
 }
 
 /// Of at most [`CHUNK`] rays, those that are not in blocks.
