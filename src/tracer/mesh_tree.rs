@@ -7,13 +7,13 @@ use super::Mesh;
 use super::block::{self, Block, Outcome, PACKETS};
 use super::box_rule::Span;
 use super::bvh::{Boxes, Bvh, Child, Leaf};
-use super::packet::{self, Groups, PacketRays, only, packet, sides};
+use super::packet::{self, Found, PacketRays, in_lane, keep_closer8, packet, sides};
 use super::scalar;
 use super::single::{self, SingleRay};
 use super::stack::Places;
 use super::stream::{self, StreamRay, Streams};
 use super::tally::Tally;
-use crate::geom::lanes::{self, eq8, lt8};
+use crate::geom::lanes;
 use crate::geom::{Hit, Lanes, Mask8, Ray, Triangle};
 use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Intersect, Kernel};
@@ -185,13 +185,13 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     ) -> Hit<f32x8> {
         let mut nothing = Hit::<f32x8>::miss();
         nothing.t = farthest;
-        self.search::<_, false>(ray, nothing, stacks, tally).best
+        self.search::<_, false>(ray, nothing, stacks, tally).found.best
     }
 
     /// [`MeshTree::any_hit_scalar`] in eight lanes.
     #[inline(never)]
     pub(super) fn any_hit_packet(&self, ray: &Ray<f32x8>, stacks: &mut Stacks, tally: &mut impl Tally) -> Mask8 {
-        self.search::<_, true>(ray, Hit::<f32x8>::miss(), stacks, tally).found
+        self.search::<_, true>(ray, Hit::<f32x8>::miss(), stacks, tally).found.any
     }
 
     #[inline(always)]
@@ -203,17 +203,9 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &'a mut T,
     ) -> Search<'a, K, T, ANY> {
         let setup = Setup::<K, f32x8>::of(ray);
-        let rays = PacketRays::of(ray, &setup.slabs, &self.bvh.bounds);
-        let limit = lanes::min8(best.t, setup.slabs.t_max);
-        let mut search = Search { tree: self, ray, setup, limit, best, found: Mask8::none(), places: single, tally };
-        for together in Groups::new(&rays, lanes::le8(setup.slabs.t_min, limit)) {
-            match together {
-                packet::Together::Lanes { octant, lanes } => {
-                    self.bvh.walk_packet::<ANY>(&rays, octant, lanes, packet, &mut search);
-                }
-                packet::Together::Lane(lane) => packet::Search::alone(&mut search, self.bvh.root, lane),
-            }
-        }
+        let found = Found::new(best, setup.slabs.t_max);
+        let mut search = Search { tree: self, ray, setup, found, places: single, tally };
+        self.bvh.walk_packets::<ANY>(ray, &setup.slabs, packet, &mut search);
         search
     }
 
@@ -419,30 +411,15 @@ struct Search<'a, K: Kernel, T, const ANY: bool> {
     tree: &'a MeshTree<K>,
     ray: &'a Ray<f32x8>,
     setup: Setup<K, f32x8>,
-    limit: f32x8,
-    best: Hit<f32x8>,
-    found: Mask8,
+    found: Found<ANY>,
     places: &'a mut Places<single::Visit>,
     tally: &'a mut T,
-}
-
-impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> Search<'_, K, T, ANY> {
-    #[inline(always)]
-    fn keep(&mut self, candidate: &Hit<f32x8>) {
-        if ANY {
-            self.found = self.found | candidate.mask;
-            self.limit = candidate.mask.select(f32x8::splat(f32::NAN), self.limit);
-        } else {
-            keep_closer8(&mut self.best, candidate);
-            self.limit = lanes::min8(self.best.t, self.limit);
-        }
-    }
 }
 
 impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for Search<'_, K, T, ANY> {
     #[inline(always)]
     fn limit(&self) -> f32x8 {
-        self.limit
+        self.found.limit
     }
 
     #[inline(always)]
@@ -460,7 +437,7 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
             self.tally.test(|| in_box(&boxes, slot, self.ray, &self.setup.slabs));
             if hit.mask.any() {
                 let (bounds, primitive) = (boxes.lane(slot), numbers.0[slot]);
-                self.keep(&by_box_rule(hit, &bounds, primitive, self.ray, &self.setup.slabs));
+                self.found.keep(&by_box_rule(hit, &bounds, primitive, self.ray, &self.setup.slabs));
             }
         }
     }
@@ -470,44 +447,17 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
         let alone = Alone::new(self.tree, &self.ray.lane(lane));
         if ANY {
             if self.tree.bvh.any_hit_single(child, &alone.walk, self.places, self.tally, &mut &alone) {
-                self.keep(&Hit { mask: only(lane), ..Hit::<f32x8>::miss() });
+                self.found.end(lane);
             }
         } else {
-            let before = self.best.lane(lane);
+            let before = self.found.best.lane(lane);
             let hit =
                 self.tree.bvh.closest_hit_single(child, &alone.walk, before, self.places, self.tally, &mut &alone);
             if hit.primitive != before.primitive {
-                self.keep(&in_lane(lane, &hit));
+                self.found.keep(&in_lane(lane, &hit));
             }
         }
     }
-}
-
-/// A hit of the ray in one lane.
-#[inline(always)]
-pub(super) fn in_lane(lane: usize, hit: &Hit<f32>) -> Hit<f32x8> {
-    Hit {
-        mask: if hit.mask { only(lane) } else { Mask8::none() },
-        t: f32x8::splat(hit.t),
-        u: f32x8::splat(hit.u),
-        v: f32x8::splat(hit.v),
-        primitive: u32x8::splat(hit.primitive),
-        instance: u32x8::splat(hit.instance),
-    }
-}
-
-/// Takes over the lanes in which the candidate comes before the best: [`Hit::is_closer_than`]. Lanes of the candidate that
-/// miss may hold anything.
-#[inline(always)]
-pub(super) fn keep_closer8(best: &mut Hit<f32x8>, candidate: &Hit<f32x8>) {
-    let mut closer = candidate.mask & lt8(candidate.t, best.t);
-    let tied = candidate.mask & eq8(candidate.t, best.t);
-    if tied.any() {
-        closer = closer
-            | (tied
-                & Mask8::from_lanes(std::array::from_fn(|lane| candidate.lane(lane).is_closer_than(&best.lane(lane)))));
-    }
-    best.replace(closer, candidate);
 }
 
 /// The per-ray data of the tree and of the kernel.

@@ -10,14 +10,14 @@ use wide::{f32x8, u32x8};
 use super::block::{Outcome, PACKETS};
 use super::box_rule::Span;
 use super::bvh::{Bvh, Child};
-use super::mesh_tree::{MeshTree, Stacks, in_lane, keep_closer8};
-use super::packet::{self, Groups, PacketRays, only};
+use super::mesh_tree::{MeshTree, Stacks};
+use super::packet::{self, Found, in_lane};
 use super::single::{self, SingleRay};
 use super::stack::Places;
 use super::tally::Tally;
 use super::world_box::world_box;
 use super::{Geometry, Mesh, Placement, World};
-use crate::geom::lanes::{self, gt8, le8};
+use crate::geom::lanes::{gt8, le8};
 use crate::geom::{Aabb, Hit, Mask8, Quadric, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
 use crate::kernels::instance::Instance;
@@ -358,14 +358,14 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     ) -> Hit<f32x8> {
         match self.only_mesh() {
             Some(tree) => tree.closest_hit_packet(ray, f32x8::splat(f32::INFINITY), &mut scratch.lower, tally),
-            None => self.search::<_, false>(ray, scratch, tally).best,
+            None => self.search::<_, false>(ray, scratch, tally).found.best,
         }
     }
 
     pub(super) fn any_hit_packet(&self, ray: &Ray<f32x8>, scratch: &mut Scratch, tally: &mut impl Tally) -> Mask8 {
         match self.only_mesh() {
             Some(tree) => tree.any_hit_packet(ray, &mut scratch.lower, tally),
-            None => self.search::<_, true>(ray, scratch, tally).found,
+            None => self.search::<_, true>(ray, scratch, tally).found.any,
         }
     }
 
@@ -377,27 +377,10 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         tally: &'a mut T,
     ) -> Search<'a, K, T, ANY> {
         let setup = InverseDirection::<f32x8>::of(ray);
-        let rays = PacketRays::of(ray, &setup, &self.bvh.bounds);
         let Stacks { single, packet, .. } = upper;
-        let mut search = Search {
-            scene: self,
-            ray,
-            setup,
-            limit: setup.t_max,
-            best: Hit::<f32x8>::miss(),
-            found: Mask8::none(),
-            places: single,
-            lower,
-            tally,
-        };
-        for together in Groups::new(&rays, le8(setup.t_min, setup.t_max)) {
-            match together {
-                packet::Together::Lanes { octant, lanes } => {
-                    self.bvh.walk_packet::<ANY>(&rays, octant, lanes, packet, &mut search);
-                }
-                packet::Together::Lane(lane) => packet::Search::alone(&mut search, self.bvh.root, lane),
-            }
-        }
+        let found = Found::new(Hit::<f32x8>::miss(), setup.t_max);
+        let mut search = Search { scene: self, ray, setup, found, places: single, lower, tally };
+        self.bvh.walk_packets::<ANY>(ray, &setup, packet, &mut search);
         search
     }
 
@@ -524,9 +507,7 @@ struct Search<'a, K: Kernel, T, const ANY: bool> {
     scene: &'a Scene<K>,
     ray: &'a Ray<f32x8>,
     setup: InverseDirection<f32x8>,
-    limit: f32x8,
-    best: Hit<f32x8>,
-    found: Mask8,
+    found: Found<ANY>,
     places: &'a mut Places<single::Visit>,
     lower: &'a mut Stacks,
     tally: &'a mut T,
@@ -535,7 +516,7 @@ struct Search<'a, K: Kernel, T, const ANY: bool> {
 impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for Search<'_, K, T, ANY> {
     #[inline(always)]
     fn limit(&self) -> f32x8 {
-        self.limit
+        self.found.limit
     }
 
     #[inline(always)]
@@ -549,7 +530,7 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
         for number in self.scene.bvh.leaves[leaf].numbers() {
             let (placed, object) = self.scene.instance(number);
             let (inside, span) = Span::<f32x8>::of(&placed.bounds.into(), self.ray.origin, &self.setup);
-            let lanes = active & inside & le8(span.entry, self.limit);
+            let lanes = active & inside & le8(span.entry, self.found.limit);
             if !lanes.any() {
                 continue;
             }
@@ -559,19 +540,18 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
                     Object::Mesh(tree) => tree.any_hit_packet(&ray, self.lower, self.tally),
                     Object::Quadric(quadric) => quadric.closest_hit8(&ray).mask,
                 };
-                self.found = self.found | hit;
-                self.limit = hit.select(f32x8::splat(f32::NAN), self.limit);
+                self.found.end_in(hit);
             } else {
                 let hit = match object {
                     Object::Mesh(tree) => {
                         // A hit beyond the box is going to be clamped to its exit.
-                        let farthest = gt8(span.exit, self.best.t).select(self.best.t, f32x8::splat(f32::INFINITY));
+                        let farthest =
+                            gt8(span.exit, self.found.best.t).select(self.found.best.t, f32x8::splat(f32::INFINITY));
                         tree.closest_hit_packet(&ray, farthest, self.lower, self.tally)
                     }
                     Object::Quadric(quadric) => quadric.closest_hit8(&ray),
                 };
-                keep_closer8(&mut self.best, &self.scene.in_world8(hit, number, span));
-                self.limit = lanes::min8(self.best.t, self.limit);
+                self.found.keep(&self.scene.in_world8(hit, number, span));
             }
         }
     }
@@ -581,14 +561,12 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
         let ray = self.ray.lane(lane);
         if ANY {
             if self.scene.any_hit_below(child, &ray, self.places, self.lower, self.tally) {
-                self.found = self.found | only(lane);
-                self.limit = only(lane).select(f32x8::splat(f32::NAN), self.limit);
+                self.found.end(lane);
             }
         } else {
-            let before = self.best.lane(lane);
+            let before = self.found.best.lane(lane);
             let hit = self.scene.closest_hit_below(child, &ray, before, self.places, self.lower, self.tally);
-            keep_closer8(&mut self.best, &in_lane(lane, &hit));
-            self.limit = lanes::min8(self.best.t, self.limit);
+            self.found.keep(&in_lane(lane, &hit));
         }
     }
 }
