@@ -29,7 +29,7 @@ use crate::kernels::{Intersect, Kernel};
 /// A hit's primitive number counts the primitives of all geometries in their order, triangles in the order of their mesh; a
 /// quadric counts one. The instance number is that of the [`Placement`].
 ///
-/// Geometry is shared by its instances. An instance takes about 320 bytes, with its placement and its share of the tree.
+/// Geometry is shared by its instances. An instance takes about 275 bytes, with its placement and its share of the tree.
 #[derive(Debug)]
 pub struct Scene<K: Kernel> {
     world: World,

@@ -273,6 +273,9 @@ impl ByOctant {
         let mut rest = &mut self.numbers[..];
         for (octant, len) in self.lens.into_iter().enumerate() {
             let numbers = rest.split_off_mut(..len).unwrap_or_default();
+            if numbers.is_empty() {
+                continue;
+            }
             if any_hit {
                 scene.trace_stream::<true>(rays, octant, numbers, hits, scratch, tally);
             } else {
