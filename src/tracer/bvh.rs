@@ -155,7 +155,8 @@ fn unit_boxes(bounds: &Aabb, count: usize, bounds_of: impl Fn(u32) -> Aabb) -> V
 }
 
 /// A leaf costs as much as a node, whose boxes take as long as its triangles; fewer items are a little better, since packets
-/// test them one by one. A leaf half or one and a half times as dear made nothing faster by more than the noise.
+/// test them one by one. A leaf half or one and a half times as dear made nothing faster by more than the noise; items of 0.15
+/// made shadow rays in a closed room 1.13 times as fast, and primary rays where triangles are small 0.87 to 0.93 times.
 const COSTS: Costs = Costs { node: 1.0, leaf: 1.0, item: 0.05 };
 
 impl Bvh {
