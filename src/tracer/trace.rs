@@ -1,6 +1,5 @@
 //! Tracing many rays: one by one or together, on the threads of the current rayon pool.
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use super::block::{self, Outcome};
@@ -22,7 +21,8 @@ pub enum Mode {
     /// Many consecutive rays together: blocks of rays that start and run alike, and streams of those that do not. Where there
     /// are instances, packets of eight.
     Packet,
-    /// [`Mode::Single`] or [`Mode::Packet`], whichever suits the scene and the rays at hand.
+    /// What suits the scene and the rays at hand: that is [`Mode::Packet`], which takes rays together as far as they go together,
+    /// and was faster than [`Mode::Single`] on every set of rays that was measured.
     Auto,
 }
 
@@ -141,11 +141,6 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
                 }
                 if streams {
                     others.by_octant().trace_streams(scene, rays, any_hit, hits, scratch, tally);
-                } else if mode == Mode::Auto && !any_hit && !others.alike {
-                    // Rays that run in all directions part sooner when they look for the closest hit than when any hit ends them.
-                    for number in others.numbers() {
-                        hits[number] = single(scene, &rays[number], any_hit, scratch, tally);
-                    }
                 } else {
                     others.by_octant().trace_packets(scene, rays, any_hit, hits, scratch, tally);
                 }
@@ -205,35 +200,22 @@ struct Others {
     rays: [u16; CHUNK],
     len: usize,
     lens: [usize; 8],
-    /// Whether the rays of each block run about the same way.
-    alike: bool,
 }
-
-/// Rays run about the same way if along no axis their directions differ by more than this share of the longest component.
-const ABOUT: f32 = 0.5;
 
 impl Others {
     fn new() -> Self {
-        Self { rays: [0; CHUNK], len: 0, lens: [0; 8], alike: true }
+        Self { rays: [0; CHUNK], len: 0, lens: [0; 8] }
     }
 
     /// Adds rays, of which the first has the number `start`.
     fn extend(&mut self, start: usize, rays: &[Ray<f32>]) {
-        let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (index, ray) in rays.iter().enumerate() {
             let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
             let octant = x | y << 1 | z << 2;
             self.rays[self.len % CHUNK] = (octant * CHUNK + start + index) as u16;
             self.lens[octant] += 1;
             self.len += 1;
-            (least, greatest) = (least.min(ray.dir), greatest.max(ray.dir));
         }
-        let longest = least.abs().max(greatest.abs()).max_element();
-        self.alike &= (greatest - least).max_element() <= ABOUT * longest;
-    }
-
-    fn numbers(&self) -> impl Iterator<Item = usize> {
-        self.rays[..self.len].iter().map(|&ray| usize::from(ray) % CHUNK)
     }
 
     /// Sorted, in their order within each octant.
