@@ -218,7 +218,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         octant: usize,
         numbers: &mut [u16],
         hits: &mut [Hit<f32>],
-        Stacks { streams, single, .. }: &mut Stacks,
+        stacks: &mut Stacks,
         tally: &mut T,
     ) {
         let together = numbers.len() >= stream::LONG;
@@ -228,22 +228,20 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
             let (ray, hit) = (&rays[usize::from(number)], &mut hits[usize::from(number)]);
             *hit = Hit::MISS;
             if let Some(ready) = StreamRay::of(ray, &self.bvh.bounds).filter(|_| together) {
-                streams.rays[usize::from(number) % stream::RAYS] = ready;
+                stacks.streams.rays[usize::from(number) % stream::RAYS] = ready;
                 t_min = lanes::min(ray.t_min, t_min);
                 numbers[len] = number;
                 len += 1;
             } else {
-                let alone = Alone::new(self, ray);
                 *hit = if ANY {
-                    let any = self.bvh.any_hit_single(self.bvh.root, &alone.walk, single, tally, &mut &alone);
-                    Hit::<f32>::new(any, 0.0, 0.0, 0.0)
+                    Hit::<f32>::new(self.any_hit_single(ray, stacks, tally), 0.0, 0.0, 0.0)
                 } else {
-                    self.bvh.closest_hit_single(self.bvh.root, &alone.walk, Hit::MISS, single, tally, &mut &alone)
+                    self.closest_hit_single(ray, f32::INFINITY, stacks, tally)
                 };
             }
         }
         let mut search = StreamSearch::<K, ANY> { tree: self, rays, hits };
-        self.bvh.walk_stream::<ANY, T>(octant, &numbers[..len], t_min, streams, tally, &mut search);
+        self.bvh.walk_stream::<ANY, T>(octant, &numbers[..len], t_min, &mut stacks.streams, tally, &mut search);
     }
 
     /// The closest hits of at most [`block::RAYS`] rays, if a block suits them.

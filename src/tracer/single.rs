@@ -25,6 +25,41 @@ pub(super) const LARGEST: f32 = 1e30;
 /// ray is longest has left the tree before.
 pub(super) const STEEPEST: f32 = 1.152_921_5e18;
 
+/// A ray's part in the fused slab test.
+pub(super) struct Fused {
+    pub(super) setup: InverseDirection<f32>,
+    /// No component is more than [`STEEPEST`] times the least.
+    pub(super) inv_dir: Vec3,
+    /// `|origin| + largest |plane|`.
+    pub(super) reach: Vec3,
+    /// `-origin·inv`, moved out by the error bound: for near planes.
+    pub(super) near: Vec3,
+    /// The same, for far planes.
+    pub(super) far: Vec3,
+    /// Whether the bounds hold.
+    pub(super) valid: bool,
+}
+
+impl Fused {
+    /// For a tree within `bounds`.
+    #[inline(always)]
+    pub(super) fn of(ray: &Ray<f32>, bounds: &Aabb) -> Self {
+        let setup = InverseDirection::<f32>::of(ray);
+        let least = setup.inv_dir.abs().min_element();
+        let inv_dir = setup.inv_dir.abs().min(Vec3::splat(least * STEEPEST)).copysign(setup.inv_dir);
+        let mut reach = ray.origin.abs() + bounds.lo.abs().max(bounds.hi.abs());
+        if inv_dir != setup.inv_dir {
+            // So that the axis along which the ray is longest leaves the tree first indeed.
+            reach = Vec3::splat(reach.max_element());
+        }
+        let size = reach * inv_dir.abs();
+        let (error, offset) = (size * ERROR + Vec3::splat(f32::MIN_POSITIVE), ray.origin * inv_dir);
+        // False for NaN.
+        let valid = (size.x < LARGEST) & (size.y < LARGEST) & (size.z < LARGEST);
+        Self { setup, inv_dir, reach, near: -offset - error, far: error - offset, valid }
+    }
+}
+
 /// What is computed once per ray.
 #[derive(Clone, Copy)]
 pub(super) struct SingleRay {
@@ -48,16 +83,7 @@ impl SingleRay {
     /// For a tree within `bounds`.
     #[inline(always)]
     pub(super) fn of(ray: &Ray<f32>, bounds: &Aabb) -> Self {
-        let setup = InverseDirection::<f32>::of(ray);
-        let least = setup.inv_dir.abs().min_element();
-        let inv_dir = setup.inv_dir.abs().min(Vec3::splat(least * STEEPEST)).copysign(setup.inv_dir);
-        let mut reach = ray.origin.abs() + bounds.lo.abs().max(bounds.hi.abs());
-        if inv_dir != setup.inv_dir {
-            // So that the axis along which the ray is longest leaves the tree first indeed.
-            reach = Vec3::splat(reach.max_element());
-        }
-        let size = reach * inv_dir.abs();
-        let (error, offset) = (size * ERROR + Vec3::splat(f32::MIN_POSITIVE), ray.origin * inv_dir);
+        let Fused { setup, inv_dir, near, far, valid, .. } = Fused::of(ray, bounds);
         Self {
             origin: Vec3x8::splat(ray.origin),
             slabs: InverseDirection {
@@ -66,11 +92,10 @@ impl SingleRay {
                 t_max: f32x8::splat(setup.t_max),
             },
             inv_dir: inv_dir.to_array().map(f32x8::splat),
-            near: (-offset - error).to_array().map(f32x8::splat),
-            far: (error - offset).to_array().map(f32x8::splat),
+            near: near.to_array().map(f32x8::splat),
+            far: far.to_array().map(f32x8::splat),
             side: setup.inv_dir.to_array().map(|inv| usize::from(lanes::sign_bit(inv))),
-            // False for NaN.
-            fused: (size.x < LARGEST) & (size.y < LARGEST) & (size.z < LARGEST),
+            fused: valid,
             t_max: setup.t_max,
         }
     }
