@@ -1,7 +1,7 @@
 //! Whole pictures: built-in scenes × every triangle kernel × mode × one and two threads, closest hit and any hit.
 //!
 //! Modes differ by how they walk the tree, which is the same for all kernels: all four are run for the watertight default
-//! and for Möller–Trumbore, single and packet alone for the others. CI runs everything once, and would take nearly twice as
+//! and for Möller–Trumbore, single and auto alone for the others. CI runs everything once, and would take nearly twice as
 //! long to learn nothing.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -27,7 +27,7 @@ impl Visitor<Triangle> for Pictures<'_> {
         let mut group = self.criterion.benchmark_group(format!("{}/{}", self.name, K::INFO.id));
         let every_mode =
             [<TracerKernel as Kernel>::INFO.id, <MollerTrumbore<f32> as Kernel>::INFO.id].contains(&K::INFO.id);
-        let modes = if every_mode { &Mode::ALL[..] } else { &[Mode::Single, Mode::Packet] };
+        let modes = if every_mode { &Mode::ALL[..] } else { &[Mode::Single, Mode::Auto] };
         group.throughput(Throughput::Elements(self.rays.len() as u64));
         for threads in [1, 2] {
             let pool = thread_pool(threads).expect("two threads are not many");

@@ -92,8 +92,8 @@ struct SceneArguments {
     /// Quadric kernel, by ID or name.
     #[arg(long, value_name = "ID", default_value = "mixed")]
     quadric_kernel: String,
-    /// How rays are taken: one by one with scalar code (the reference), one by one against eight boxes at a time, many
-    /// together, or single or packet as suits the rays. The hits are the same.
+    /// How rays are taken: one by one with scalar code (the reference), one by one against eight boxes at a time, in
+    /// blocks and packets of eight, or as suits the scene and the rays. The hits are the same.
     #[arg(long, default_value = Mode::Auto.name(), value_parser = mode_parser())]
     mode: Mode,
     /// Threads; 0 for as many as there are processors.

@@ -364,8 +364,9 @@ fn rays_that_only_look_alike_have_identical_hits_and_do_not_meet_more_triangles(
         for mode in [Mode::Packet, Mode::Auto] {
             assert_same("turned rays", &rays, &expected, &trace(&scene, &rays, any_hit, mode));
         }
-        let [single, packet] = [Mode::Single, Mode::Packet].map(|mode| count(&scene, &rays, any_hit, mode));
-        assert!(packet.tests < 3 * single.tests, "{packet:?}, {single:?}");
+        let [single, packet, auto] =
+            [Mode::Single, Mode::Packet, Mode::Auto].map(|mode| count(&scene, &rays, any_hit, mode));
+        assert!(packet.tests.max(auto.tests) < 3 * single.tests, "{packet:?}, {auto:?}, {single:?}");
     }
 }
 

@@ -130,17 +130,15 @@ impl Hit<f32x8> {
     /// The first lanes, as many as there is room for.
     #[inline(always)]
     pub fn write(&self, hits: &mut [Hit<f32>]) {
-        let (bits, t, u, v) = (self.mask.bits(), self.t.to_array(), self.u.to_array(), self.v.to_array());
-        let (primitive, instance) = (self.primitive.to_array(), self.instance.to_array());
-        for (lane, hit) in hits.iter_mut().enumerate().take(8) {
-            *hit = Hit {
-                mask: bits >> lane & 1 == 1,
-                t: t[lane],
-                u: u[lane],
-                v: v[lane],
-                primitive: primitive[lane],
-                instance: instance[lane],
-            };
+        let bits = self.mask.bits();
+        let numbers = |numbers: u32x8| f32x8::new(numbers.to_array().map(f32::from_bits));
+        let nothing = f32x8::ZERO;
+        let (primitive, instance) = (numbers(self.primitive), numbers(self.instance));
+        let rows = f32x8::transpose([self.t, self.u, self.v, primitive, instance, nothing, nothing, nothing]);
+        for (lane, (hit, row)) in hits.iter_mut().zip(rows).enumerate() {
+            let [t, u, v, primitive, instance, ..] = row.to_array();
+            let mask = bits >> lane & 1 == 1;
+            *hit = Hit { mask, t, u, v, primitive: primitive.to_bits(), instance: instance.to_bits() };
         }
     }
 

@@ -44,6 +44,9 @@ pub(super) struct Stacks {
     pub(super) packet: Places<packet::Visit>,
     pub(super) block: Places<block::Visit>,
     pub(super) rays: Box<Block>,
+    /// The leaf and slot of the triangle that a block hit last for which any hit will do. The next block often hits it too. It may
+    /// be of another tree: whatever is there is as good a triangle to begin with as any.
+    occluder: Option<(usize, usize)>,
     pub(super) streams: Streams,
 }
 
@@ -55,6 +58,7 @@ impl Stacks {
             packet: Places::new(packet::ANYTHING),
             block: Places::new(block::ANYTHING),
             rays: Box::new(Block::new()),
+            occluder: None,
             streams: Streams::new(),
         }
     }
@@ -260,7 +264,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         let mut best = [Hit::<f32x8>::miss(); PACKETS];
         let mut any = false;
         let ended = self.bvh.walk_block::<false, T>(block, places, tally, |leaf, packets, block, tally| {
-            search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
+            search.meet(leaf, packets, block, tally, |packet, _, candidate, limit| {
                 any = true;
                 keep_closer8(&mut best[packet], candidate);
                 lanes::min8(best[packet].t, limit)
@@ -284,7 +288,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     pub(super) fn any_hit_block<T: Tally>(
         &self,
         rays: &[Ray<f32>],
-        Stacks { block: places, rays: block, .. }: &mut Stacks,
+        Stacks { block: places, rays: block, occluder, .. }: &mut Stacks,
         tally: &mut T,
     ) -> Result<[Mask8; PACKETS], Outcome> {
         if !block.take(rays, self.bvh.item_size) {
@@ -292,10 +296,22 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         }
         let mut search = BlockSearch::new(self, block);
         let mut found = [Mask8::none(); PACKETS];
+        let mut keep = |packet: usize, candidate: &Hit<f32x8>, limit: f32x8| {
+            found[packet] = found[packet] | candidate.mask;
+            candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), limit)
+        };
+        if let Some((leaf, slot)) = occluder.take().filter(|&(leaf, _)| leaf < self.leaves.len()) {
+            let met = search.meet_first(leaf, slot, block, tally, &mut keep);
+            if !block.is_active() {
+                *occluder = Some((leaf, slot));
+                return Ok(found);
+            }
+            *occluder = met.then_some((leaf, slot));
+        }
         let ended = self.bvh.walk_block::<true, T>(block, places, tally, |leaf, packets, block, tally| {
-            search.meet(leaf, packets, block, tally, |packet, candidate, limit| {
-                found[packet] = found[packet] | candidate.mask;
-                candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), limit)
+            search.meet(leaf, packets, block, tally, |packet, slot, candidate, limit| {
+                *occluder = Some((leaf, slot));
+                keep(packet, candidate, limit)
             });
         });
         if ended { Ok(found) } else { Err(Outcome::GivenUp) }
@@ -331,6 +347,24 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
             // Of a single triangle: zero where it hits.
             instance: hit.instance,
         }
+    }
+
+    /// Where a packet hits a triangle by the box rule, if it does in any lane. `boxes` are the leaf's.
+    #[inline(always)]
+    fn candidate8(
+        &self,
+        leaf: usize,
+        slot: usize,
+        boxes: &Boxes,
+        ray: &Ray<f32x8>,
+        setup: &Setup<K, f32x8>,
+        tally: &mut impl Tally,
+    ) -> Option<Hit<f32x8>> {
+        let Triangles { prepared, numbers } = &self.leaves[leaf];
+        let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), ray, &setup.kernel);
+        tally.test(|| in_box(boxes, slot, ray, &setup.slabs));
+        let in_lanes = || by_box_rule(hit, &boxes.lane(slot), numbers.0[slot & 7], ray, &setup.slabs);
+        hit.mask.any().then(in_lanes)
     }
 }
 
@@ -428,14 +462,10 @@ impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> packet::Search for 
     #[inline(always)]
     fn leaf(&mut self, leaf: usize, _active: Mask8) {
         self.tally.leaf();
-        let Triangles { prepared, numbers } = &self.tree.leaves[leaf];
         let boxes = self.tree.boxes(leaf);
-        for slot in 0..numbers.len() {
-            let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), self.ray, &self.setup.kernel);
-            self.tally.test(|| in_box(&boxes, slot, self.ray, &self.setup.slabs));
-            if hit.mask.any() {
-                let (bounds, primitive) = (boxes.lane(slot), numbers.0[slot]);
-                self.found.keep(&by_box_rule(hit, &bounds, primitive, self.ray, &self.setup.slabs));
+        for slot in 0..self.tree.leaves[leaf].numbers.len() {
+            if let Some(candidate) = self.tree.candidate8(leaf, slot, &boxes, self.ray, &self.setup, self.tally) {
+                self.found.keep(&candidate);
             }
         }
     }
@@ -502,8 +532,8 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         }
     }
 
-    /// Tests the triangles of a leaf whose boxes the packets may hit, of which each has a bit. Calls `keep` with a packet, what
-    /// counts by the box rule, in at least one lane, and where the search has ended; it returns where it ends now.
+    /// Tests the triangles of a leaf whose boxes the packets may hit, of which each has a bit. Calls `keep` with a packet, a slot,
+    /// what counts there by the box rule, in at least one lane, and where the search has ended; it returns where it ends now.
     #[inline(always)]
     fn meet<T: Tally>(
         &mut self,
@@ -511,10 +541,9 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         mut packets: u32,
         block: &mut Block,
         tally: &mut T,
-        mut keep: impl FnMut(usize, &Hit<f32x8>, f32x8) -> f32x8,
+        mut keep: impl FnMut(usize, usize, &Hit<f32x8>, f32x8) -> f32x8,
     ) {
-        let Triangles { prepared, numbers } = &self.tree.leaves[leaf];
-        let (boxes, used) = (self.tree.boxes(leaf), (1 << numbers.len()) - 1);
+        let (boxes, used) = (self.tree.boxes(leaf), (1 << self.tree.leaves[leaf].numbers.len()) - 1);
         let side = sides(block.octant);
         while packets != 0 {
             let packet = packets.trailing_zeros() as usize & 7;
@@ -535,11 +564,8 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                         continue;
                     }
                 }
-                let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), ray, &setup.kernel);
-                tally.test(|| in_box(&boxes, slot, ray, &setup.slabs));
-                if hit.mask.any() {
-                    let candidate = by_box_rule(hit, &boxes.lane(slot), numbers.0[slot], ray, &setup.slabs);
-                    limit = keep(packet, &candidate, limit);
+                if let Some(candidate) = self.tree.candidate8(leaf, slot, &boxes, ray, setup, tally) {
+                    limit = keep(packet, slot, &candidate, limit);
                     met = true;
                 }
             }
@@ -548,6 +574,29 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                 block.set_limit(packet, limit);
             }
         }
+    }
+
+    /// [`BlockSearch::meet`] of one triangle and all packets, before the walk. Says whether there was anything to keep.
+    #[inline(always)]
+    fn meet_first<T: Tally>(
+        &mut self,
+        leaf: usize,
+        slot: usize,
+        block: &mut Block,
+        tally: &mut T,
+        mut keep: impl FnMut(usize, &Hit<f32x8>, f32x8) -> f32x8,
+    ) -> bool {
+        let (boxes, mut met) = (self.tree.boxes(leaf), false);
+        for packet in 0..PACKETS {
+            let ray = &block.packets[packet];
+            let setup = self.setups[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(ray));
+            if let Some(candidate) = self.tree.candidate8(leaf, slot, &boxes, ray, setup, tally) {
+                self.limits[packet] = keep(packet, &candidate, self.limits[packet]);
+                block.set_limit(packet, self.limits[packet]);
+                met = true;
+            }
+        }
+        met
     }
 }
 

@@ -26,9 +26,9 @@
 //! | --- | --- | --- |
 //! | `scalar` | one | one box, one triangle: the reference |
 //! | `single` | one | the eight boxes of a node, the up to eight triangles of a leaf |
-//! | `packet` | eight in one octant, alone once they part | each of the eight boxes, each triangle; used for instances |
+//! | `packet` | eight in one octant, alone once they part | each of the eight boxes, each triangle |
 //! | `block` | up to 64 that are alike, as eight packets | eight boxes; one box for eight packets; each triangle |
-//! | `stream` | up to 2048 in one octant | each of the eight boxes, eight rays at a time; each triangle likewise |
+//! | `stream` | up to 4096 in one octant | each of the eight boxes, eight rays at a time; each triangle likewise |
 //!
 //! All walk the same tree (`bvh`, `collapse`). Its leaves know their triangles' boxes too, which the rule needs, and which cull
 //! triangle by triangle: for kernels that keep vertices as they are, the boxes are computed from those. `trace` chooses among the

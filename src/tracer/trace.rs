@@ -18,11 +18,10 @@ pub enum Mode {
     Scalar,
     /// One by one, each against eight boxes or eight triangles at a time: for rays that have little in common.
     Single,
-    /// Many consecutive rays together: blocks of rays that start and run alike, and streams of those that do not. Where there
-    /// are instances, packets of eight.
+    /// Blocks of consecutive rays that start and run alike; of the others, packets of eight of one octant.
     Packet,
-    /// What suits the scene and the rays at hand: that is [`Mode::Packet`], which takes rays together as far as they go together,
-    /// and was faster than [`Mode::Single`] on every set of rays that was measured.
+    /// What suits the scene and the rays at hand: blocks; for rays that are not alike, streams where the scene is one mesh, and
+    /// packets where there are instances.
     Auto,
 }
 
@@ -44,6 +43,8 @@ impl Mode {
 /// Rays handed to a thread at a time, of which those that are not alike make a stream for each octant: few enough to balance and
 /// to stay in the cache, many enough that they share nodes.
 const CHUNK: usize = stream::RAYS;
+// A number of a ray and its octant are kept in 16 bits.
+const _: () = assert!(8 * CHUNK <= 1 << 16);
 /// Rays that make packets, by the octants of their directions.
 const GROUP: usize = 256;
 
@@ -113,7 +114,7 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
             }
         }
         Mode::Packet | Mode::Auto => {
-            let streams = scene.is_one_mesh();
+            let streams = mode == Mode::Auto && scene.is_one_mesh();
             let group = if streams { CHUNK } else { GROUP };
             for (hits, rays) in hits.chunks_mut(group).zip(rays.chunks(group)) {
                 let mut others = Others::new();

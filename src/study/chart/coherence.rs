@@ -7,7 +7,7 @@ use crate::study::figures::severity;
 use crate::study::record::{CoherenceRow, Record};
 use crate::study::tracing::{Coherence, modes};
 
-const TITLE: &str = "Coherence: many rays together pay at the left, where they run alike";
+const TITLE: &str = "Coherence: every mode as rays have ever less in common";
 const SCENE_TITLE: i32 = 30;
 const MARK: i32 = 5;
 

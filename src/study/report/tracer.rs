@@ -20,8 +20,9 @@ pub(super) fn throughput(record: &Record) -> Vec<String> {
             .to_owned(),
         scenes(&all),
         "### Modes\n\nMillion rays per second in one thread, median ± median absolute deviation; the fastest is bold. \
-         *scalar* is the reference, one ray at a time; *single* one ray against eight boxes or triangles; *packet* many rays \
-         together; *auto* chooses between these two. *Choice* is auto over the faster of them, *gain* auto over scalar."
+         *scalar* is the reference, one ray at a time; *single* one ray against eight boxes or triangles; *packet* blocks of rays \
+         that run alike, and of the others packets of eight; *auto* blocks too, and of the others streams, or packets where \
+         there are instances. *Choice* is auto over the faster of single and packet, *gain* auto over scalar."
             .to_owned(),
         side_by_side(&all),
     ];
