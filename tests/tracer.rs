@@ -11,7 +11,8 @@ use raylanes::kernels::triangle::{Cramer, MollerTrumbore, Woop};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{
-    Geometry, LoadedScene, Mesh, Mode, Paint, Part, Placement, Scene, SceneSource, World, count, thread_pool, trace,
+    Camera, Geometry, LoadedScene, Mesh, Mode, Paint, Part, Placement, Scene, SceneSource, World, count, thread_pool,
+    trace,
 };
 
 use random::Random;
@@ -146,6 +147,20 @@ fn built_in_scenes_of_instances_have_identical_hits() {
         let rays = view.camera(64, 64).rays(64, 64);
         registry::triangles(&mut EveryKernel { name, world, rays: &rays, stride });
     }
+}
+
+/// Where blocks of rays meet the same few triangles one after the other, which end within blocks and packets.
+#[test]
+fn large_triangles_that_hide_one_another_have_identical_hits() {
+    let mut random = Random(29);
+    let positions: Vec<_> = (0..24).map(|_| vec3(&mut random)).collect();
+    let world =
+        World::from(worlds::mesh(positions, (0..8).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect()));
+    let eye = Vec3::new(1.0, 0.5, 3.0);
+    let mut rays = Camera::new(eye, Vec3::ZERO, 45.0, 96, 96).rays(96, 96);
+    // As to a far light, from points side by side.
+    rays.extend(rays.clone().iter().map(|ray| Ray::new(eye + ray.dir, -eye)));
+    registry::triangles(&mut EveryKernel { name: "large triangles", world, rays: &rays, stride: 16 });
 }
 
 #[test]
