@@ -127,7 +127,8 @@ fn single_rays_and_packets_are_never_stricter() {
 
 fn block_of(rays: &[Ray<f32>], item_size: f32) -> Option<Block> {
     let mut block = Block::new();
-    block.take(rays, item_size).then_some(block)
+    let extremes = block.take(rays);
+    block.bound(extremes, item_size).then_some(block)
 }
 
 /// Which rays a stream brings to which boxes.
@@ -254,5 +255,6 @@ fn blocks_are_of_rays_that_are_alike() {
             assert!(with(index, change).is_none(), "change {number} of ray {index}");
         }
     }
-    assert!(block_of(&[], 1.0).is_none());
+    let endless: Vec<_> = alike.iter().map(|ray| Ray { origin: Vec3::INFINITY, ..*ray }).collect();
+    assert!(block_of(&endless, 1.0).is_none() && block_of(&[], 1.0).is_none());
 }

@@ -213,8 +213,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         search
     }
 
-    /// The closest hits of the rays with these numbers, which are in one octant, or whether they hit anything. Changes the order
-    /// of the numbers.
+    /// The closest hits of the rays with these numbers, which are in one octant, or whether they hit anything. What they hit are
+    /// misses before. Changes the order of the numbers.
     #[inline(never)]
     pub(super) fn trace_stream<const ANY: bool, T: Tally>(
         &self,
@@ -229,15 +229,14 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         let (mut len, mut t_min) = (0, f32::INFINITY);
         for index in 0..numbers.len() {
             let number = numbers[index];
-            let (ray, hit) = (&rays[usize::from(number)], &mut hits[usize::from(number)]);
-            *hit = Hit::MISS;
+            let ray = &rays[usize::from(number)];
             if let Some(ready) = StreamRay::of(ray, &self.bvh.bounds).filter(|_| together) {
                 stacks.streams.rays[usize::from(number) % stream::RAYS] = ready;
                 t_min = lanes::min(ray.t_min, t_min);
                 numbers[len] = number;
                 len += 1;
             } else {
-                *hit = if ANY {
+                hits[usize::from(number)] = if ANY {
                     Hit::<f32>::new(self.any_hit_single(ray, stacks, tally), 0.0, 0.0, 0.0)
                 } else {
                     self.closest_hit_single(ray, f32::INFINITY, stacks, tally)
@@ -257,7 +256,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         Stacks { block: places, rays: block, .. }: &mut Stacks,
         tally: &mut T,
     ) -> Outcome {
-        if !block.take(rays, self.bvh.item_size) {
+        let extremes = block.take(rays);
+        if !block.bound(extremes, self.bvh.item_size) {
             return Outcome::Unlike;
         }
         let mut search = BlockSearch::new(self, block);
@@ -283,17 +283,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         Outcome::Traced
     }
 
-    /// Whether there are hits for at most [`block::RAYS`] rays, or else why a block does not suit them.
+    /// Whether there are hits for at most [`block::RAYS`] rays, all that there are if they make a block, else perhaps some.
     #[inline(always)]
     pub(super) fn any_hit_block<T: Tally>(
         &self,
         rays: &[Ray<f32>],
         Stacks { block: places, rays: block, occluder, .. }: &mut Stacks,
         tally: &mut T,
-    ) -> Result<[Mask8; PACKETS], Outcome> {
-        if !block.take(rays, self.bvh.item_size) {
-            return Err(Outcome::Unlike);
-        }
+    ) -> (Outcome, [Mask8; PACKETS]) {
+        let extremes = block.take(rays);
         let mut search = BlockSearch::new(self, block);
         let mut found = [Mask8::none(); PACKETS];
         let mut keep = |packet: usize, candidate: &Hit<f32x8>, limit: f32x8| {
@@ -302,11 +300,18 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         };
         if let Some((leaf, slot)) = occluder.take().filter(|&(leaf, _)| leaf < self.leaves.len()) {
             let met = search.meet_first(leaf, slot, block, tally, &mut keep);
-            if !block.is_active() {
-                *occluder = Some((leaf, slot));
-                return Ok(found);
-            }
             *occluder = met.then_some((leaf, slot));
+            if search.is_over() {
+                return (Outcome::Traced, found);
+            }
+        }
+        if !block.bound(extremes, self.bvh.item_size) {
+            return (Outcome::Unlike, found);
+        }
+        if occluder.is_some() {
+            for (packet, &limit) in search.limits.iter().enumerate() {
+                block.set_limit(packet, limit);
+            }
         }
         let ended = self.bvh.walk_block::<true, T>(block, places, tally, |leaf, packets, block, tally| {
             search.meet(leaf, packets, block, tally, |packet, slot, candidate, limit| {
@@ -314,7 +319,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
                 keep(packet, candidate, limit)
             });
         });
-        if ended { Ok(found) } else { Err(Outcome::GivenUp) }
+        (if ended { Outcome::Traced } else { Outcome::GivenUp }, found)
     }
 }
 
@@ -576,13 +581,14 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         }
     }
 
-    /// [`BlockSearch::meet`] of one triangle and all packets, before the walk. Says whether there was anything to keep.
+    /// [`BlockSearch::meet`] of one triangle and all packets, before it is known what bounds them. Says whether there was anything
+    /// to keep.
     #[inline(always)]
     fn meet_first<T: Tally>(
         &mut self,
         leaf: usize,
         slot: usize,
-        block: &mut Block,
+        block: &Block,
         tally: &mut T,
         mut keep: impl FnMut(usize, &Hit<f32x8>, f32x8) -> f32x8,
     ) -> bool {
@@ -592,11 +598,16 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
             let setup = self.setups[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(ray));
             if let Some(candidate) = self.tree.candidate8(leaf, slot, &boxes, ray, setup, tally) {
                 self.limits[packet] = keep(packet, &candidate, self.limits[packet]);
-                block.set_limit(packet, self.limits[packet]);
                 met = true;
             }
         }
         met
+    }
+
+    /// Whether there is nothing left to search for.
+    #[inline(always)]
+    fn is_over(&self) -> bool {
+        self.limits.iter().all(|&limit| lanes::eq8(limit, f32x8::splat(f32::NEG_INFINITY)).all())
     }
 }
 

@@ -422,8 +422,9 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         rays: &[Ray<f32>],
         scratch: &mut Scratch,
         tally: &mut impl Tally,
-    ) -> Result<[Mask8; PACKETS], Outcome> {
-        self.only_mesh().ok_or(Outcome::Unlike)?.any_hit_block(rays, &mut scratch.lower, tally)
+    ) -> (Outcome, [Mask8; PACKETS]) {
+        let Some(tree) = self.only_mesh() else { return (Outcome::Unlike, [Mask8::none(); PACKETS]) };
+        tree.any_hit_block(rays, &mut scratch.lower, tally)
     }
 
     /// Puts an instance's closest hit in place of a farther one. `closest_hit` gets a tree, the ray as the object sees it, and

@@ -125,6 +125,7 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
                     let hits = &mut hits[start..start + rays.len()];
                     if skip > 0 {
                         skip -= 1;
+                        hits.fill(Hit::MISS);
                     } else {
                         match trace_block(scene, rays, any_hit, hits, scratch, tally) {
                             Outcome::Traced => {
@@ -138,7 +139,7 @@ fn trace_chunk<K: Kernel<Shape = Triangle>>(
                             Outcome::Unlike => {}
                         }
                     }
-                    others.extend(start, rays);
+                    others.extend(start, rays, hits);
                 }
                 if streams {
                     others.by_octant().trace_streams(scene, rays, any_hit, hits, scratch, tally);
@@ -170,7 +171,7 @@ fn single<K: Kernel<Shape = Triangle>>(
     }
 }
 
-/// Traces the rays as a block, if that suits them.
+/// Traces the rays as a block, if that suits them. If not, some hits may be known all the same; the others are misses.
 fn trace_block<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
@@ -180,19 +181,20 @@ fn trace_block<K: Kernel<Shape = Triangle>>(
     tally: &mut impl Tally,
 ) -> Outcome {
     if !any_hit {
-        return scene.closest_hit_block(rays, hits, scratch, tally);
+        let outcome = scene.closest_hit_block(rays, hits, scratch, tally);
+        if outcome != Outcome::Traced {
+            hits.fill(Hit::MISS);
+        }
+        return outcome;
     }
-    let masks = match scene.any_hit_block(rays, scratch, tally) {
-        Ok(masks) => masks,
-        Err(outcome) => return outcome,
-    };
+    let (outcome, masks) = scene.any_hit_block(rays, scratch, tally);
     for (hits, mask) in hits.chunks_mut(8).zip(masks) {
         let bits = mask.bits();
         for (lane, hit) in hits.iter_mut().enumerate() {
             *hit = found(bits >> lane & 1 == 1);
         }
     }
-    Outcome::Traced
+    outcome
 }
 
 /// Of at most [`CHUNK`] rays, those that are not in blocks.
@@ -208,9 +210,9 @@ impl Others {
         Self { rays: [0; CHUNK], len: 0, lens: [0; 8] }
     }
 
-    /// Adds rays, of which the first has the number `start`.
-    fn extend(&mut self, start: usize, rays: &[Ray<f32>]) {
-        for (index, ray) in rays.iter().enumerate() {
+    /// Adds rays, of which the first has the number `start`, except those whose hits are known.
+    fn extend(&mut self, start: usize, rays: &[Ray<f32>], hits: &[Hit<f32>]) {
+        for (index, (ray, _)) in rays.iter().zip(hits).enumerate().filter(|(_, (_, hit))| !hit.mask) {
             let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
             let octant = x | y << 1 | z << 2;
             self.rays[self.len % CHUNK] = (octant * CHUNK + start + index) as u16;
