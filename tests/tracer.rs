@@ -165,9 +165,7 @@ fn built_in_scenes_of_instances_have_identical_hits() {
 #[test]
 fn large_triangles_that_hide_one_another_have_identical_hits() {
     let mut random = Random(29);
-    let positions: Vec<_> = (0..24).map(|_| vec3(&mut random)).collect();
-    let world =
-        World::from(worlds::mesh(positions, (0..8).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect()));
+    let world = World::from(worlds::some_triangles(&mut random, 8));
     let eye = Vec3::new(1.0, 0.5, 3.0);
     let mut rays = Camera::new(eye, Vec3::ZERO, 45.0, 96, 96).rays(96, 96);
     // As to a far light, from points side by side.

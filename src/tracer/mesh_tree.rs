@@ -213,7 +213,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         search
     }
 
-    /// The closest hits of the rays with these numbers, which are in one octant, or whether they hit anything. What they hit are
+    /// The closest hits of the rays with these numbers, which are in one octant, or whether they hit anything. Their hits must be
     /// misses before. Changes the order of the numbers.
     #[inline(never)]
     pub(super) fn trace_stream<const ANY: bool, T: Tally>(
@@ -354,7 +354,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         }
     }
 
-    /// Where a packet hits a triangle by the box rule, if it does in any lane. `boxes` are the leaf's.
+    /// Where a packet hits a triangle by the box rule, which may be in no lane; `None` if the kernel finds nothing. `boxes` are the
+    /// leaf's.
     #[inline(always)]
     fn candidate8(
         &self,
@@ -538,7 +539,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
     }
 
     /// Tests the triangles of a leaf whose boxes the packets may hit, of which each has a bit. Calls `keep` with a packet, a slot,
-    /// what counts there by the box rule, in at least one lane, and where the search has ended; it returns where it ends now.
+    /// what [`MeshTree::candidate8`] gives there, and where the search has ended; it returns where it ends now.
     #[inline(always)]
     fn meet<T: Tally>(
         &mut self,
@@ -618,7 +619,8 @@ struct StreamSearch<'a, K: Kernel, const ANY: bool> {
     hits: &'a mut [Hit<f32>],
 }
 
-/// Fewer rays are tested one by one against all triangles of a leaf; more, as packets against one after the other.
+/// Fewer rays are tested one by one against all triangles of a leaf; more, as packets against one after the other. On incoherent
+/// rays, 3 was 0.96 to 1.09 times as fast, 6 was 0.96 to 1.04, and three quarters of the leaf's triangles 0.90 to 1.04.
 const MANY: usize = 4;
 
 impl<K: Kernel<Shape = Triangle>, T: Tally, const ANY: bool> stream::Leaves<T> for StreamSearch<'_, K, ANY> {

@@ -212,7 +212,10 @@ impl Others {
 
     /// Adds rays, of which the first has the number `start`, except those whose hits are known.
     fn extend(&mut self, start: usize, rays: &[Ray<f32>], hits: &[Hit<f32>]) {
-        for (index, (ray, _)) in rays.iter().zip(hits).enumerate().filter(|(_, (_, hit))| !hit.mask) {
+        for (index, ray) in rays.iter().enumerate() {
+            if hits[index].mask {
+                continue;
+            }
             let [x, y, z] = ray.dir.to_array().map(|dir| usize::from(dir.is_sign_negative()));
             let octant = x | y << 1 | z << 2;
             self.rays[self.len % CHUNK] = (octant * CHUNK + start + index) as u16;

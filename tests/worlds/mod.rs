@@ -33,10 +33,11 @@ pub(crate) fn cuboid(half: Vec3) -> Mesh {
     mesh((0..8).map(|index| corner(index) * half).collect(), triangles)
 }
 
-fn some_triangles(random: &mut Random) -> Mesh {
+/// With corners in -1..1, and none in common.
+pub(crate) fn some_triangles(random: &mut Random, count: u32) -> Mesh {
     mesh(
-        (0..60).map(|_| vec3(random)).collect(),
-        (0..20).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect(),
+        (0..3 * count).map(|_| vec3(random)).collect(),
+        (0..count).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect(),
     )
 }
 
@@ -58,7 +59,7 @@ pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
         cuboid(Vec3::ONE),
         cuboid(Vec3::new(3.0, 3.0, 0.0)),
         cuboid(Vec3::splat(1.0 / 3.0)),
-        some_triangles(random),
+        some_triangles(random, 20),
     ];
     let quadrics = [
         Quadric::sphere(1.0),
