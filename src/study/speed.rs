@@ -109,10 +109,13 @@ where
             let setup = <K as Intersect<f32x8>>::setup(packet);
             let mut best = Hit::<f32x8>::miss();
             for (number, primitive) in self.primitives.iter().enumerate() {
-                let hit = Hit { primitive: u32x8::splat(number as u32), ..primitive.closest_hit(packet, &setup) };
-                best.replace(lt8(hit.t, best.t), &hit);
+                let hit = primitive.closest_hit(packet, &setup);
+                if hit.mask.any() {
+                    let hit = Hit { primitive: u32x8::splat(number as u32), ..hit };
+                    best.replace(lt8(hit.t, best.t), &hit);
+                }
             }
-            hits.copy_from_slice(&best.lanes());
+            best.write(hits);
         }
     }
 
@@ -123,8 +126,10 @@ where
             let mut best = Hit::<f32x8>::miss();
             let mut numbers = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             for group in &self.groups {
-                let hit = Hit { primitive: numbers, ..group.closest_hit(&ray, &setup) };
-                best.replace(lt8(hit.t, best.t), &hit);
+                let hit = group.closest_hit(&ray, &setup);
+                if hit.mask.any() {
+                    best.replace(lt8(hit.t, best.t), &Hit { primitive: numbers, ..hit });
+                }
                 numbers += u32x8::splat(8);
             }
             *hit = best.closest();

@@ -110,10 +110,13 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
         let det = determinant8(a, b, ray.dir);
         let u = determinant8(s, b, ray.dir) / det;
         let v = determinant8(a, s, ray.dir) / det;
-        let t = determinant8(a, b, s) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
+        if !inside.any() {
+            return Hit::<f32x8>::miss();
+        }
+        let t = determinant8(a, b, s) / det;
         Hit::<f32x8>::new(ne8(det, zero) & inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -112,10 +112,13 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
 
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
-        let t = n.dot(c) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
+        if !inside.any() {
+            return Hit::<f32x8>::miss();
+        }
+        let t = n.dot(c) * inv_det;
         Hit::<f32x8>::new(ne8(det, zero) & inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -5,9 +5,9 @@
 //! **Idea:** the system of Cramer's rule, with the four determinants factored through two cross products, `dir × e2` and
 //! `(origin - v0) × e1`, and a single division.
 //!
-//! **Differs from the paper:** both edges are prepared; both sides hit; there is no early exit, since a packet has none;
-//! and no epsilon on the determinant, which would lose small triangles. The reciprocal of the determinant is rounded
-//! before it is multiplied with, as in the paper.
+//! **Differs from the paper:** both edges are prepared; both sides hit; a packet exits early once, where none of its rays is
+//! inside; and there is no epsilon on the determinant, which would lose small triangles. The reciprocal of the determinant
+//! is rounded before it is multiplied with, as in the paper.
 //!
 //! **Fails:** like Cramer's rule it leaks at edges and vertices. Its `t` is the first to go on slivers, since
 //! `e2 · ((origin - v0) × e1)` cancels where the normal of the triangle is computed last.
@@ -105,10 +105,13 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = ray.dir.dot(q) * inv_det;
-        let t = e2.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
+        if !inside.any() {
+            return Hit::<f32x8>::miss();
+        }
+        let t = e2.dot(q) * inv_det;
         Hit::<f32x8>::new(ne8(det, zero) & inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

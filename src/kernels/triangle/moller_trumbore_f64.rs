@@ -118,10 +118,13 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
         let u = dot_f64x8(s, p) * inv_det;
         let q = cross8(s, e1);
         let v = dot_f64x8(dir, q) * inv_det;
-        let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge64(u, zero) & ge64(v, zero) & le64(u + v, one)).narrow();
+        if !inside.any() {
+            return Hit::<f32x8>::miss();
+        }
+        let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
         Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
     }
 }

@@ -114,11 +114,14 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
         let u = (a - c).cross(a + c).dot(ray.dir);
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
-        let inv_sum = one / (u + v + w);
-        let t = n.dot(a) / n.dot(ray.dir);
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge8(u, zero) & ge8(v, zero) & ge8(w, zero)) | (le8(u, zero) & le8(v, zero) & le8(w, zero));
+        if !inside.any() {
+            return Hit::<f32x8>::miss();
+        }
+        let inv_sum = one / (u + v + w);
+        let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
