@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use raylanes::geom::{Aabb, Shape, Triangle};
-use raylanes::kernels::{Kernel, Operations};
+use raylanes::kernels::{Intersect, Kernel, Operations};
 use raylanes::registry::{self, Visitor};
 
 #[derive(Default)]
@@ -19,7 +19,10 @@ impl<S: Shape> Visitor<S> for Methods {
         let info = K::INFO;
         assert!(info.id.method.starts_with(&format!("{}/", S::FAMILY)), "{} is not of family {}", info.id, S::FAMILY);
         assert!(!info.idea.is_empty() && !info.source.is_empty(), "{} does not say what it is", info.id);
-        assert_ne!(info.operations, Operations::default(), "{} does not count its operations", info.id);
+        assert_ne!(info.operations, Operations::NONE, "{} does not count its operations", info.id);
+        let prepares_rays = size_of::<<K as Intersect<f32>>::Setup>() > 0;
+        assert_eq!(info.setup != Operations::NONE, prepares_rays, "{} does not count those of its setup", info.id);
+        assert!(info.operations.reads as usize * 4 <= size_of::<K>(), "{} reads more than it prepares", info.id);
         self.ids.push(info.id.to_string());
         self.methods.insert(info.id.method.into());
     }

@@ -89,6 +89,8 @@ pub struct Info {
     pub source: &'static str,
     /// Arithmetic per test once primitive and ray are prepared.
     pub operations: Operations,
+    /// Arithmetic per ray to prepare it.
+    pub setup: Operations,
     /// What the tests hold it to, without tolerance.
     pub claims: &'static [Claim],
 }
@@ -116,15 +118,66 @@ impl core::fmt::Display for Id {
     }
 }
 
-/// Floating-point operations of one test; comparisons and selections are not counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Floating-point operations of one test that is computed to its end; selections, logic and conversions are not counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Operations {
+    /// Multiplications, of `f32` and `f64` together, as in the next fields.
+    pub mul: u32,
+    /// Additions and subtractions.
+    pub add: u32,
+    /// Comparisons, minima and maxima.
+    pub compare: u32,
+    /// Divisions and square roots.
+    pub div: u32,
+    /// Multiplications that are fused with an addition; both are counted above.
+    pub fused: u32,
+    /// Numbers of the prepared primitive that are read.
+    pub reads: u32,
+    /// How many of the above are in `f64`.
+    pub double: DoubleOperations,
+}
+
+/// Those of [`Operations`] that are in `f64`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DoubleOperations {
     /// Multiplications.
     pub mul: u32,
     /// Additions and subtractions.
     pub add: u32,
+    /// Comparisons, minima and maxima.
+    pub compare: u32,
     /// Divisions and square roots.
     pub div: u32,
+}
+
+impl DoubleOperations {
+    /// None.
+    pub const NONE: Self = Self { mul: 0, add: 0, compare: 0, div: 0 };
+}
+
+impl Operations {
+    /// None.
+    pub const NONE: Self =
+        Self { mul: 0, add: 0, compare: 0, div: 0, fused: 0, reads: 0, double: DoubleOperations::NONE };
+
+    /// Both, one after the other.
+    pub const fn and(self, other: Self) -> Self {
+        let (a, b) = (self.double, other.double);
+        Self {
+            mul: self.mul + other.mul,
+            add: self.add + other.add,
+            compare: self.compare + other.compare,
+            div: self.div + other.div,
+            fused: self.fused + other.fused,
+            reads: self.reads + other.reads,
+            double: DoubleOperations {
+                mul: a.mul + b.mul,
+                add: a.add + b.add,
+                compare: a.compare + b.compare,
+                div: a.div + b.div,
+            },
+        }
+    }
 }
 
 /// A promise that a kernel makes. The tests enforce it without tolerance, and the study looks for a violation by every

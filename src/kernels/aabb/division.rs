@@ -13,11 +13,12 @@
 //! near and far are exchanged and the ray misses; on a plane of the slab `0/0` is NaN and the ray misses. At edges and
 //! corners entry and exit are equal but for rounding, and some rays are lost.
 //!
-//! **Operations:** 6 subtractions, 6 divisions. No setup worth the name: that is what it costs to do without one.
+//! **Operations:** 6 subtractions, 6 divisions, 13 comparisons. No setup worth the name: that is what it costs to do
+//! without one.
 
 use wide::f32x8;
 
-use super::{Interval, Slabs};
+use super::{Interval, Slabs, VALIDITY};
 use crate::geom::lanes::{Lanes, eq8, ge8, gt8, le8, lt8};
 use crate::geom::{Aabb, Hit, Mask8, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
@@ -33,7 +34,8 @@ impl Kernel for Division<f32> {
         id: Id::of("aabb/division"),
         idea: "distances to the six planes by division, near and far by the sign of the direction",
         source: "Kay, Kajiya, \"Ray Tracing Complex Scenes\", 1986; Shirley, Marschner, \"Fundamentals of Computer Graphics\"",
-        operations: Operations { mul: 0, add: 6, div: 6 },
+        operations: Operations { add: 6, compare: 13, div: 6, reads: 6, ..Operations::NONE },
+        setup: VALIDITY,
         claims: &[],
     };
 

@@ -15,7 +15,8 @@
 //! **Empty boxes and rays without a usable slab:** a ray for which `origin·inv_dir` is not finite on any axis would drop
 //! all three slabs and hit even the empty box. It gets an empty interval, and so loses true hits.
 //!
-//! **Operations:** 6 fused multiply-adds; setup 3 divisions, 3 multiplications. It exists only where the build has them.
+//! **Operations:** 6 fused multiply-adds, 7 minima, maxima and comparisons; setup 3 divisions, 3 multiplications. It exists
+//! only where the build has them.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -49,7 +50,8 @@ impl Kernel for Fused<f32> {
         id: Id::of("aabb/fused"),
         idea: "fma(plane, inverse direction, -origin · inverse direction): a warning",
         source: "Wald, Woop, Benthin, Johnson, Ernst, \"Embree\", 2014 (its fast traversal)",
-        operations: Operations { mul: 6, add: 6, div: 0 },
+        operations: Operations { mul: 6, add: 6, compare: 7, reads: 6, fused: 6, ..Operations::NONE },
+        setup: InverseDirection::OPERATIONS.and(Operations { mul: 3, compare: 3, ..Operations::NONE }),
         claims: &[],
     };
 

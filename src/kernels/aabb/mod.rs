@@ -28,6 +28,7 @@ use wide::f32x8;
 
 use crate::geom::lanes::{Lanes, Vec3x8, max, max8, min, min8, sign_bit, sign_bit8};
 use crate::geom::{Aabb, Ray};
+use crate::kernels::Operations;
 
 /// The corners of one box or of eight: what all slab kernels store, 24 bytes a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +83,13 @@ pub struct InverseDirection<L: Lanes> {
     pub t_max: L,
 }
 
+/// Of [`Ray::is_valid`].
+pub(crate) const VALIDITY: Operations = Operations { mul: 6, add: 5, compare: 4, ..Operations::NONE };
+
 impl InverseDirection<f32> {
+    /// Of [`InverseDirection::of`].
+    pub(crate) const OPERATIONS: Operations = VALIDITY.and(Operations { div: 3, ..Operations::NONE });
+
     /// Three divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {

@@ -13,7 +13,8 @@
 //! **Edges:** loses none: planes, edges and corners all hit. **Claim:** conservative, unless a product over- or
 //! underflows (a direction component below 2⁻¹²⁸ has no finite reciprocal; a distance below 2⁻¹²⁶ has no relative bound).
 //!
-//! **Operations:** 6 subtractions, 6 multiplications and 2 for the padding; setup 3 divisions.
+//! **Operations:** 6 subtractions, 6 multiplications and 2 for the padding, 9 minima, maxima and comparisons; setup 3
+//! divisions.
 
 use wide::f32x8;
 
@@ -52,7 +53,8 @@ impl Kernel for Padded<f32> {
         id: Id::of("aabb/padded"),
         idea: "sign-selected, with the exit moved out by the error bound: a miss is a proof",
         source: "Ize, \"Robust BVH Ray Traversal\", 2013",
-        operations: Operations { mul: 8, add: 6, div: 0 },
+        operations: Operations { mul: 8, add: 6, compare: 9, reads: 6, ..Operations::NONE },
+        setup: InverseDirection::OPERATIONS,
         claims: &[Claim::Conservative],
     };
 

@@ -10,8 +10,8 @@
 //! **Edges:** a ray within a plane of a slab that it runs parallel to hits, as it should. At edges and corners entry and
 //! exit are equal but for rounding, and some rays are lost.
 //!
-//! **Operations:** 6 subtractions, 6 multiplications; setup 3 divisions. Each distance has a relative error of at most
-//! γ₃ = 3ε / (1 - 3ε), ε = 2⁻²⁴, unless a product over- or underflows.
+//! **Operations:** 6 subtractions, 6 multiplications, 7 minima, maxima and comparisons; setup 3 divisions. Each distance
+//! has a relative error of at most γ₃ = 3ε / (1 - 3ε), ε = 2⁻²⁴, unless a product over- or underflows.
 
 use wide::f32x8;
 
@@ -31,7 +31,8 @@ impl Kernel for SignSelected<f32> {
         id: Id::of("aabb/sign_selected"),
         idea: "near and far plane by the sign bit of the inverse direction, so that NaN drops out",
         source: "Williams, Barrus, Morley, Shirley, \"An Efficient and Robust Ray-Box Intersection Algorithm\", 2005",
-        operations: Operations { mul: 6, add: 6, div: 0 },
+        operations: Operations { mul: 6, add: 6, compare: 7, reads: 6, ..Operations::NONE },
+        setup: InverseDirection::OPERATIONS,
         claims: &[],
     };
 

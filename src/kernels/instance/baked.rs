@@ -56,6 +56,7 @@ impl<K: Kernel<Shape = Triangle>> Kernel for Baked<K> {
         idea: "no instance: vertices transformed beforehand, in f64",
         source: "common practice",
         operations: K::INFO.operations,
+        setup: K::INFO.setup,
         claims: &[],
     };
 

@@ -22,7 +22,7 @@ use wide::{f32x8, f64x8};
 use super::{RayTransform, SingularTransform, TransformMethod, inverse_linear};
 use crate::geom::Ray;
 use crate::geom::lanes::{Vec3x8, to_f32x8, to_f64x8};
-use crate::kernels::{Id, Info, Operations};
+use crate::kernels::{DoubleOperations, Id, Info, Operations};
 
 /// One transform (`V` a [`DVec3`]), or eight (`V` a `[f64x8; 3]`).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,14 @@ impl TransformMethod for SubtractFirstF64<DVec3> {
         id: Id::of("instance/f64"),
         idea: "transform the ray by the inverse, subtracting the translation first, in f64",
         source: "what a transformed f32 ray can be at best",
-        operations: Operations { mul: 18, add: 15, div: 0 },
+        operations: Operations {
+            mul: 18,
+            add: 15,
+            reads: 12,
+            double: DoubleOperations { mul: 18, add: 15, ..DoubleOperations::NONE },
+            ..Operations::NONE
+        },
+        setup: Operations::NONE,
         claims: &[],
     };
     const NOWHERE: Self = Self { inverse: [DVec3::ZERO; 3], translation: DVec3::ZERO };

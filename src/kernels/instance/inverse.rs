@@ -57,7 +57,8 @@ impl TransformMethod for Inverse<f32> {
         id: Id::of("instance/inverse"),
         idea: "transform the ray by the inverse matrix, computed in f32",
         source: "Shirley, Marschner, \"Fundamentals of Computer Graphics\"; glam's Affine3::inverse",
-        operations: Operations { mul: 18, add: 15, div: 0 },
+        operations: Operations { mul: 18, add: 15, reads: 12, ..Operations::NONE },
+        setup: Operations::NONE,
         claims: &[],
     };
     const NOWHERE: Self = Self { linear: [Vec3::ZERO; 3], translation: Vec3::ZERO };

@@ -19,7 +19,7 @@ use glam::{Affine3, DMat3};
 use wide::f32x8;
 
 use crate::geom::{Hit, Lanes, Placed, Ray};
-use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
+use crate::kernels::{Id, Info, Intersect, Kernel};
 
 /// An instance of anything that can be intersected (`W` a transform for one ray), or eight instances of eight prepared
 /// primitives (`W` eight such transforms).
@@ -171,11 +171,8 @@ impl Info {
     const fn inside(self, method: Self) -> Self {
         Self {
             id: Id { method: method.id.method, inner: Some(self.id.method) },
-            operations: Operations {
-                mul: self.operations.mul + method.operations.mul,
-                add: self.operations.add + method.operations.add,
-                div: self.operations.div + method.operations.div,
-            },
+            // The ray that the object sees is another one for each instance, and so is its setup.
+            operations: method.operations.and(self.setup).and(self.operations),
             claims: &[],
             ..method
         }

@@ -86,7 +86,8 @@ impl TransformMethod for SubtractFirst<f32> {
         id: Id::of("instance/subtract_first"),
         idea: "transform the ray by the inverse, subtracting the translation first",
         source: "Shirley, Marschner, \"Fundamentals of Computer Graphics\"",
-        operations: Operations { mul: 18, add: 15, div: 0 },
+        operations: Operations { mul: 18, add: 15, reads: 12, ..Operations::NONE },
+        setup: Operations::NONE,
         claims: &[],
     };
     const NOWHERE: Self = Self { inverse: [Vec3::ZERO; 3], translation: Vec3::ZERO, linear: [Vec3::ZERO; 3] };

@@ -29,8 +29,9 @@
 //! 100 hits of each step are within 1 ulp. The furthest is 44 ulp away, of a sphere whose coefficients put it 1e4 from
 //! 0.
 //!
-//! **Operations:** 52 multiplications, 43 additions, 2 divisions, 1 square root, of which 39 multiplications, 35 additions and
-//! all others in `f64`; setup 5 divisions. 64 bytes prepared.
+//! **Operations:** 52 multiplications, 43 additions, 2 divisions, 1 square root, 38 minima, maxima and comparisons, of
+//! which 39 multiplications, 35 additions, 19 comparisons, the divisions and the root in `f64`; setup 5 divisions. 64 bytes
+//! prepared.
 
 use wide::{f32x8, f64x8};
 
@@ -41,7 +42,7 @@ use crate::geom::lanes::{
 };
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
-use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
+use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
 /// Quadrics for the roots in `f64`: the coefficients and the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,16 @@ impl Kernel for Double<f32> {
         id: Id::of("quadric/f64"),
         idea: "polynomial, roots and the box's cut in f64; f32 in and out",
         source: "Haines, Günther, Akenine-Möller, \"Precision Improvements for Ray/Sphere Intersection\", 2019",
-        operations: Operations { mul: 52, add: 43, div: 3 },
+        operations: Operations {
+            mul: 52,
+            add: 43,
+            compare: 38,
+            div: 3,
+            reads: 16,
+            double: DoubleOperations { mul: 39, add: 35, compare: 19, div: 3 },
+            ..Operations::NONE
+        },
+        setup: Approach::OPERATIONS,
         claims: &[Claim::RightDecision, Claim::NoGrossError],
     };
 

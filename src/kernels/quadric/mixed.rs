@@ -23,8 +23,8 @@
 //! at 100 above it; and within 2 ulp of ellipsoids of 100:1:1 along a diagonal. Of 200,000 rays that pass spheres at 1
 //! ± 1e-6 radii, from 100 and 10,000 radii away, none was wrong about hitting.
 //!
-//! **Operations:** 49 multiplications, 37 additions, 2 divisions, 1 square root, of which 33 multiplications and 26 additions
-//! in `f64`; setup 5 divisions. 64 bytes prepared.
+//! **Operations:** 49 multiplications, 37 additions, 2 divisions, 1 square root, 28 minima, maxima and comparisons, of
+//! which 33 multiplications and 26 additions in `f64`; setup 5 divisions. 64 bytes prepared.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -33,7 +33,7 @@ use super::{Approach, Form, Span, roots, roots8};
 use crate::geom::lanes::{Lanes, dot_f64x8, double8, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
-use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
+use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
 /// Quadrics whose polynomial is evaluated in `f64` and solved in `f32`: the coefficients and the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,16 @@ impl Kernel for Mixed<f32> {
         id: Id::of("quadric/mixed"),
         idea: "coefficients and discriminant in f64, where they cancel; root and quotients in f32",
         source: "Haines, Günther, Akenine-Möller, \"Precision Improvements for Ray/Sphere Intersection\", 2019",
-        operations: Operations { mul: 49, add: 37, div: 3 },
+        operations: Operations {
+            mul: 49,
+            add: 37,
+            compare: 28,
+            div: 3,
+            reads: 16,
+            double: DoubleOperations { mul: 33, add: 26, ..DoubleOperations::NONE },
+            ..Operations::NONE
+        },
+        setup: Approach::OPERATIONS,
         claims: &[Claim::NoGrossError],
     };
 

@@ -39,6 +39,7 @@ use crate::geom::lanes::{
     power_of_two, power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8,
 };
 use crate::geom::{Aabb, Hit, Quadric, Ray};
+use crate::kernels::Operations;
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
 
 /// Where a ray runs through a quadric's box.
@@ -178,6 +179,10 @@ pub struct Approach<L: Lanes> {
 const GREATEST_UNIT: f32 = 1.0 / f32::MIN_POSITIVE;
 
 impl Approach<f32> {
+    /// Of [`Approach::of`].
+    const OPERATIONS: Operations =
+        InverseDirection::OPERATIONS.and(Operations { mul: 10, add: 2, compare: 4, div: 2, ..Operations::NONE });
+
     /// Five divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {

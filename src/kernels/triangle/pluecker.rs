@@ -20,7 +20,7 @@
 //!
 //! **Degenerate input:** the prepared normal of a triangle of zero area is exactly zero, so `t` divides by zero.
 //!
-//! **Operations:** 35 multiplications, 49 additions, 2 divisions. 48 bytes prepared.
+//! **Operations:** 35 multiplications, 49 additions, 2 divisions, 10 comparisons. 48 bytes prepared.
 
 use wide::f32x8;
 
@@ -44,7 +44,8 @@ impl Kernel for Pluecker<f32> {
         id: Id::of("triangle/pluecker"),
         idea: "edge functions of vertices relative to the origin, exactly antisymmetric",
         source: "Wald, Woop, Benthin, Johnson, Ernst, \"Embree\", 2014 (its robust test)",
-        operations: Operations { mul: 35, add: 49, div: 2 },
+        operations: Operations { mul: 35, add: 49, compare: 10, div: 2, reads: 12, ..Operations::NONE },
+        setup: Operations::NONE,
         claims: &[Claim::EdgeWatertight],
     };
 

@@ -31,7 +31,8 @@
 //! 1,840,000 aimed at edges, 22; of 3,730,000 aimed inside, none; of 1,560,000 aimed at a vertex and past it by
 //! rounding, 72 %, since the rounded vertex is then exactly on the ray.
 //!
-//! **Operations:** 19 multiplications, 22 additions, 1 division; setup 3 divisions. 36 bytes prepared.
+//! **Operations:** 19 multiplications, 22 additions, 1 division, 11 minima, maxima and comparisons; setup 3 divisions. 36
+//! bytes prepared.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -41,7 +42,7 @@ use crate::geom::lanes::{
     Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, gt8, le8, lt8, max, max8, min, min8, to_f32x8, to_f64x8,
 };
 use crate::geom::{Hit, Ray, Triangle};
-use crate::kernels::aabb::Slabs;
+use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Triangles for the watertight test.
@@ -55,7 +56,8 @@ impl Kernel for Woop<f32> {
         id: Id::of("triangle/woop"),
         idea: "shear the ray to an axis, then exact signs of 2×2 determinants of the rounded vertices",
         source: "Woop, Benthin, Wald, \"Watertight Ray/Triangle Intersection\", 2013",
-        operations: Operations { mul: 19, add: 22, div: 1 },
+        operations: Operations { mul: 19, add: 22, compare: 11, div: 1, reads: 9, ..Operations::NONE },
+        setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
     };
 
@@ -177,6 +179,9 @@ fn turn8(v: Vec3x8, axis: usize) -> Vec3x8 {
 }
 
 impl Shear {
+    /// Of [`Shear::of`].
+    pub(super) const OPERATIONS: Operations = VALIDITY.and(Operations { compare: 3, div: 3, ..Operations::NONE });
+
     /// Three divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {

@@ -15,8 +15,8 @@
 //! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be
 //! subnormal, so the range below ends at products of 1e-31.
 //!
-//! **Operations:** 22 multiplications, 28 additions, 1 division, of which 6 are fused pairs of both; setup 3 divisions.
-//! 36 bytes prepared. It exists only where the build has fused multiply-add.
+//! **Operations:** 22 multiplications, 28 additions, 1 division, 9 minima, maxima and comparisons; 6 are fused pairs of
+//! both; setup 3 divisions. 36 bytes prepared. It exists only where the build has fused multiply-add.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -39,7 +39,8 @@ impl Kernel for WoopDop<f32> {
         id: Id::of("triangle/woop_dop"),
         idea: "watertight shear, signs by Kahan's difference of products: no branch",
         source: "Woop, Benthin, Wald, 2013; Jeannerod, Louvet, Muller, \"Further analysis of Kahan's algorithm\", 2013",
-        operations: Operations { mul: 22, add: 28, div: 1 },
+        operations: Operations { mul: 22, add: 28, compare: 9, div: 1, reads: 9, fused: 6, ..Operations::NONE },
+        setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
     };
 

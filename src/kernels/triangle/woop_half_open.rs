@@ -45,7 +45,8 @@ impl Kernel for WoopHalfOpen<f32> {
         id: Id::of("triangle/woop_half_open"),
         idea: "watertight shear, with the ray moved by an infinitesimal so that it meets no edge",
         source: "Woop, Benthin, Wald, 2013; Edelsbrunner, Mücke, \"Simulation of Simplicity\", 1990",
-        operations: Operations { mul: 19, add: 22, div: 1 },
+        operations: Operations { mul: 19, add: 22, compare: 11, div: 1, reads: 9, ..Operations::NONE },
+        setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit],
     };
 
