@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::record::{AccuracyRow, KernelRow, Record, RegimeRow, SpeedRow};
+use super::record::{AccuracyRow, KernelRow, MethodRow, Record, RegimeRow, SpeedRow};
 
 /// Printed where the record has no figure.
 pub(super) const MISSING: &str = "–";
@@ -29,6 +29,11 @@ pub(super) struct Group<'a> {
 }
 
 impl Group<'_> {
+    /// The fastest of a face in one thread, and all that tie with it.
+    pub(super) fn fastest(&self, face: &str) -> Vec<&Figures<'_>> {
+        fastest_of(self.kernels.iter(), face)
+    }
+
     /// The title, with what the names lack where that is not the same.
     pub(super) fn heading(&self) -> String {
         let several_methods = !self.is_base() && !self.prefix.ends_with(&format!("/{}/", self.shape));
@@ -105,7 +110,7 @@ impl Loss {
 #[derive(Debug)]
 pub(super) struct Figures<'a> {
     /// The kernel.
-    pub(super) kernel: &'a KernelRow,
+    pub(super) kernel: &'a MethodRow,
     /// What distinguishes its ID within its group, the family of an instance's inner kernel left out: that is in the group's
     /// title.
     pub(super) name: String,
@@ -153,6 +158,21 @@ impl<'a> Figures<'a> {
         Some(self.ns("1x1")? / self.ns("8x1")?)
     }
 
+    /// The figures of eight rays against one primitive at a glance.
+    pub(super) fn packet(&self) -> Option<&'a KernelRow> {
+        self.record.kernels.iter().find(|row| row.id == self.kernel.id && row.face == "8x1")
+    }
+
+    /// What share of the time of a packet its busiest class of operations takes at least.
+    pub(super) fn limit_share(&self) -> Option<f64> {
+        self.packet()?.limit_share
+    }
+
+    /// The same of scalar code, were a scalar operation to take as long as one on eight lanes.
+    pub(super) fn scalar_limit_share(&self) -> Option<f64> {
+        Some(8.0 * self.packet()?.limit_ns? / self.ns("1x1")?).filter(|share| share.is_finite())
+    }
+
     /// 99th percentile of the error of `t` over generic rays.
     pub(super) fn ulp(&self) -> Option<u64> {
         self.accuracy("generic").and_then(ulp_p99)
@@ -164,19 +184,30 @@ impl<'a> Figures<'a> {
     }
 }
 
+/// The fastest of some kernels, in a face and one thread, before all that tie with it, in order of their speed.
+pub(super) fn fastest_of<'k, 'a: 'k>(
+    kernels: impl Iterator<Item = &'k Figures<'a>>,
+    face: &str,
+) -> Vec<&'k Figures<'a>> {
+    let mut timed: Vec<_> = kernels.filter_map(|kernel| Some((kernel, kernel.speed(face, 1)?))).collect();
+    timed.sort_by(|(_, a), (_, b)| a.ns_per_test.total_cmp(&b.ns_per_test));
+    let Some(&(_, first)) = timed.first() else { return Vec::new() };
+    timed.into_iter().filter(|(_, row)| tied(first, row)).map(|(kernel, _)| kernel).collect()
+}
+
 /// The kernels of a record, grouped, in its order.
 pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
-    grouped(record, record.kernels.iter())
+    grouped(record, record.methods.iter())
 }
 
 /// The same, with only those instances whose inner kernel is that of several methods: regimes and maps, which are about
 /// the transform, then compare methods with one kernel inside, and not kernels.
 pub(super) fn groups_of_methods(record: &Record) -> Vec<Group<'_>> {
-    let is_of_several = |kernel: &&KernelRow| match inner(&kernel.id) {
-        Some(own) => record.kernels.iter().filter(|other| inner(&other.id) == Some(own)).count() > 1,
+    let is_of_several = |kernel: &&MethodRow| match inner(&kernel.id) {
+        Some(own) => record.methods.iter().filter(|other| inner(&other.id) == Some(own)).count() > 1,
         None => true,
     };
-    grouped(record, record.kernels.iter().filter(is_of_several))
+    grouped(record, record.methods.iter().filter(is_of_several))
 }
 
 /// What an instance is of: an instance is named `instance/method/family/method`, anything else `family/method`.
@@ -184,8 +215,20 @@ fn inner(id: &str) -> Option<&str> {
     id.splitn(3, '/').nth(2)
 }
 
-fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a KernelRow>) -> Vec<Group<'a>> {
-    let mut groups: Vec<(&str, Option<&str>, Vec<&KernelRow>)> = Vec::new();
+impl MethodRow {
+    /// What is hit in the end: the family, or that of the kernel inside an instance.
+    pub(super) fn shape(&self) -> &str {
+        inner(&self.id).and_then(|inner| inner.split('/').next()).unwrap_or(&self.family)
+    }
+}
+
+/// Whether two timings differ by no more than the sum of their median absolute deviations: they are then not ranked.
+pub(super) fn tied(a: &SpeedRow, b: &SpeedRow) -> bool {
+    (a.ns_per_test - b.ns_per_test).abs() <= a.ns_per_test_mad + b.ns_per_test_mad
+}
+
+fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a MethodRow>) -> Vec<Group<'a>> {
+    let mut groups: Vec<(&str, Option<&str>, Vec<&MethodRow>)> = Vec::new();
     for kernel in kernels {
         let key = (kernel.family.as_str(), inner(&kernel.id).and_then(|inner| inner.split('/').next()));
         match groups.iter_mut().find(|(family, inner, _)| (*family, *inner) == key) {
@@ -196,7 +239,7 @@ fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a KernelRow>)
     groups.into_iter().map(|(family, inner, kernels)| group(record, family, inner, &kernels)).collect()
 }
 
-fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernels: &[&'a KernelRow]) -> Group<'a> {
+fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernels: &[&'a MethodRow]) -> Group<'a> {
     let title = inner.map_or(family.to_owned(), |inner| format!("{family} of {inner}"));
     let shape = inner.unwrap_or(family);
     let own =
@@ -234,7 +277,7 @@ fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = &'a Accurac
 }
 
 /// Workloads whose rays are aimed at what a kernel may lose.
-fn losing_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&KernelRow]) -> Vec<&'a str> {
+fn losing_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&MethodRow]) -> Vec<&'a str> {
     let loses = |regime: &&RegimeRow| regime.family == shape && loss.concerns(regime);
     let measured =
         |workload: &&str| kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.workload == *workload));
@@ -243,14 +286,14 @@ fn losing_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[
 }
 
 /// The longest common beginning that ends with a slash.
-fn common_prefix<'a>(kernels: &[&'a KernelRow]) -> &'a str {
+fn common_prefix<'a>(kernels: &[&'a MethodRow]) -> &'a str {
     let first = kernels[0].id.as_str();
     let mut ends = first.match_indices('/').map(|(slash, _)| &first[..=slash]);
     ends.rfind(|prefix| kernels.iter().all(|kernel| kernel.id.starts_with(prefix))).unwrap_or("")
 }
 
 /// The longest common ending, after the prefix, that begins with a slash.
-fn common_suffix<'a>(kernels: &[&'a KernelRow], prefix: &str) -> &'a str {
+fn common_suffix<'a>(kernels: &[&'a MethodRow], prefix: &str) -> &'a str {
     let first = &kernels[0].id[prefix.len()..];
     let mut starts = first.match_indices('/').map(|(slash, _)| &first[slash..]);
     starts.find(|suffix| kernels.iter().all(|kernel| kernel.id[prefix.len()..].ends_with(suffix))).unwrap_or("")
@@ -402,6 +445,11 @@ pub(super) fn optional(value: Option<f64>, digits: i32) -> String {
 /// A ratio that may be missing.
 pub(super) fn times(ratio: Option<f64>) -> String {
     ratio.filter(|ratio| ratio.is_finite()).map_or(MISSING.to_owned(), |ratio| format!("{ratio:.2}×"))
+}
+
+/// A share that may be missing, in whole percent.
+pub(super) fn percent(share: Option<f64>) -> String {
+    share.filter(|share| share.is_finite()).map_or(MISSING.to_owned(), |share| format!("{:.0} %", 100.0 * share))
 }
 
 /// The numbers of threads that occur, ascending.

@@ -2,11 +2,11 @@
 
 use super::peers::{Disagreements, EMBREE, OURS};
 use super::record::{
-    AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, KernelRow, Machine, MapCells, MapRow, PeerRow, Record, RegimeRow,
-    SCHEMA, ScalingRow, SpeedRow, TracerRow,
+    AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, Machine, MapCells, MapRow, MethodRow, OperationCounts, PeerRow,
+    RateRow, Record, RegimeRow, SCHEMA, ScalingRow, SpeedRow, TracerRow,
 };
 use super::stats::{mad, median};
-use super::{coherence, ray_sets};
+use super::{coherence, ray_sets, summary};
 use crate::tracer::Mode;
 
 const TRIANGLES: [&str; 9] = [
@@ -63,6 +63,8 @@ pub(super) fn record_of(ids: &[String]) -> Record {
             versions: ["raylanes 0.1.0", "glam 0.34.2"].map(String::from).to_vec(),
         },
         kernels: Vec::new(),
+        methods: Vec::new(),
+        rates: rates(),
         absent: vec![AbsentRow { id: "triangle/elsewhere".into(), reason: "needs fused multiply-add".into() }],
         speed: Vec::new(),
         regimes: regimes(),
@@ -82,7 +84,32 @@ pub(super) fn record_of(ids: &[String]) -> Record {
     for (i, id) in ids.iter().enumerate() {
         add_kernel(&mut record, i, id);
     }
+    record.kernels = summary::kernels(&record);
     record
+}
+
+fn rates() -> Vec<RateRow> {
+    let rows = [
+        ("multiply", "f32", 0.14),
+        ("add", "f32", 0.14),
+        ("fused", "f32", 0.14),
+        ("divide", "f32", 0.8),
+        ("multiply and add", "f32", 0.08),
+        ("load", "f32", 0.14),
+        ("multiply", "f64", 0.28),
+        ("add", "f64", 0.28),
+        ("divide", "f64", 2.6),
+        ("multiply and add", "f64", 0.16),
+    ];
+    let row = |(operation, precision, ns): (&str, &str, f64)| RateRow {
+        operation: operation.into(),
+        precision: precision.into(),
+        ns_per_operation: ns,
+        ns_per_operation_mad: 0.01 * ns,
+        operations_per_second: 1e9 / ns,
+        samples: 15,
+    };
+    rows.map(row).into()
 }
 
 /// Two scenes, in which packets gain much, less, and nothing.
@@ -195,7 +222,9 @@ pub(super) fn peer_row(tracer: &str, configuration: &str, threads: usize, mrays:
 /// No rows but those of the kernels, regimes and maps; rows of zeros; and nothing at all.
 pub(super) fn degenerate_records() -> [Record; 3] {
     let mut bare = record_of(&all_ids());
+    bare.kernels.clear();
     bare.speed.clear();
+    bare.rates.clear();
     bare.accuracy.clear();
     bare.claims.clear();
     bare.map_cells.clear();
@@ -203,6 +232,9 @@ pub(super) fn degenerate_records() -> [Record; 3] {
     let mut zeros = record_of(&all_ids());
     for row in &mut zeros.speed {
         (row.ns_per_test, row.ns_per_test_mad, row.tests_per_second) = (0.0, 0.0, f64::INFINITY);
+    }
+    for row in &mut zeros.rates {
+        (row.ns_per_operation, row.ns_per_operation_mad, row.operations_per_second) = (0.0, 0.0, f64::INFINITY);
     }
     for row in &mut zeros.accuracy {
         *row = zero_row(&row.id, &row.workload, row.severity);
@@ -220,6 +252,7 @@ pub(super) fn degenerate_records() -> [Record; 3] {
     for row in &mut zeros.scaling {
         (row.ns_per_ray, row.ns_per_ray_mad, row.build_seconds, row.triangles, row.ray_count) = (0.0, 0.0, 0.0, 0, 0);
     }
+    zeros.kernels = summary::kernels(&zeros);
     for map in &mut zeros.maps {
         (map.x, map.y, map.hits) = (vec![1.0], Vec::new(), Vec::new());
     }
@@ -319,12 +352,23 @@ fn maps() -> Vec<MapRow> {
 
 fn add_kernel(record: &mut Record, i: usize, id: &str) {
     let mesh = id.contains("triangle");
-    record.kernels.push(KernelRow {
+    record.methods.push(MethodRow {
         id: id.into(),
         family: id.split('/').next().unwrap_or_default().into(),
         idea: format!("idea {i}"),
         source: "Author, \"Title\", 2000".into(),
-        operations: [27, 18, 1],
+        operations: OperationCounts {
+            mul: 27,
+            add: 18,
+            compare: 7,
+            div: 1,
+            fused: 0,
+            reads: 9,
+            mul_f64: if id.contains("f64") { 27 } else { 0 },
+            add_f64: 0,
+            compare_f64: 0,
+            div_f64: 0,
+        },
         prepared_bytes: 36,
         setup_bytes: 12,
         setup_ns: 1.5,
@@ -343,6 +387,7 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
                 ns_per_test_mad: 0.012 * ns_per_test,
                 tests_per_second: 1e9 / ns_per_test,
                 samples: 15,
+                hit_share: if face == "1x1" { 0.11 } else { 0.57 },
                 checksum: format!("{i:016x}"),
             });
         }

@@ -12,12 +12,14 @@ mod frames;
 mod json;
 mod machine;
 pub mod peers;
+mod rates;
 pub mod ray_sets;
 pub mod record;
 mod report;
 mod scaling;
 pub mod speed;
 mod stats;
+mod summary;
 mod table;
 mod timing;
 mod tracing;
@@ -34,6 +36,7 @@ use crate::kernels::triangle::Woop;
 use crate::registry;
 use crate::tracer::{Error, SceneSource, write_atomically};
 use accuracy::Kernels;
+use rates::Rates;
 use record::{AbsentRow, AccuracyRow, ClaimRow, MapCells, MapRow, Record, RegimeRow, SCHEMA};
 use workload::{Subject, Workload};
 
@@ -119,9 +122,13 @@ pub fn run(options: &Options) -> Result<Record, Error> {
     progress.note("kernels: preparing");
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
-    let (samples, sample_seconds) = if options.quick { (3, 0.0005) } else { (15, 0.01) };
-    let speed_rows =
-        speed.measure(samples, sample_seconds, &thread_counts, &|share| progress.reach(share * SPEED_DONE))?;
+    // Many short samples: whatever else the machine does then falls on some of them, and the median is of the others.
+    let (samples, sample_seconds) = if options.quick { (3, 0.0005) } else { (61, 0.0025) };
+    let mut rates = Rates::new();
+    let speed_rows = speed.measure(samples, sample_seconds, &thread_counts, &mut |share| {
+        rates.sample();
+        progress.reach(share * SPEED_DONE);
+    })?;
 
     let mut accuracy = Accuracy {
         quick: options.quick,
@@ -158,19 +165,21 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         peer_rows.extend(peers::compare(scene, size, options.seed, samples)?);
     }
     progress.bar.finish_and_clear();
-    Ok(Record {
+    let mut record = Record {
         schema: SCHEMA,
         started_unix: started.duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs()),
         seconds: clock.elapsed().as_secs_f64(),
         quick: options.quick,
         seed: options.seed,
         machine: if options.peers { peers::machine() } else { machine::describe() },
-        kernels: speed.kernels,
+        kernels: Vec::new(),
+        methods: speed.methods,
         absent: registry::absent()
             .iter()
             .map(|absent| AbsentRow { id: absent.id.into(), reason: absent.reason.into() })
             .collect(),
         speed: speed_rows,
+        rates: rates.rows(),
         regimes: accuracy.regimes,
         accuracy: accuracy.rows,
         claims: accuracy.claims,
@@ -180,7 +189,9 @@ pub fn run(options: &Options) -> Result<Record, Error> {
         coherence,
         scaling,
         peers: peer_rows,
-    })
+    };
+    record.kernels = summary::kernels(&record);
+    Ok(record)
 }
 
 /// What there is to be measured of the accuracy of all kernels of all shapes.

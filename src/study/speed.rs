@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use wide::{f32x8, u32x8};
 
-use super::record::{KernelRow, SpeedRow};
+use super::record::{MethodRow, SpeedRow};
 use super::stats::{mad, median};
 use super::workload::{Subject, Workload, rng};
 use crate::geom::lanes::lt8;
@@ -136,6 +136,27 @@ where
         }
     }
 
+    /// Share of the tests of this face in which anything is hit.
+    fn hit_share(&self, face: Face) -> f64 {
+        let (mut hits, mut tests) = (0, 0);
+        let mut count = |hit: bool| (hits, tests) = (hits + u32::from(hit), tests + 1);
+        match face {
+            Face::OneByOne => {
+                self.rays.iter().for_each(|ray| self.primitives.iter().for_each(|one| count(one.hit(ray).mask)));
+            }
+            Face::EightRays => {
+                self.packets
+                    .iter()
+                    .for_each(|rays| self.primitives.iter().for_each(|one| count(one.hit(rays).mask.any())));
+            }
+            Face::EightPrimitives => {
+                let packets = self.rays.iter().map(Ray::splat);
+                packets.for_each(|ray| self.groups.iter().for_each(|eight| count(eight.hit(&ray).mask.any())));
+            }
+        }
+        f64::from(hits) / f64::from(tests)
+    }
+
     /// Nanoseconds per ray for the setup, scalar and in packets.
     fn setup_ns(&self) -> [f64; 2] {
         let time = |run: &dyn Fn()| {
@@ -166,13 +187,14 @@ where
 struct Job {
     id: String,
     face: Face,
+    hit_share: f64,
     /// Runs so many passes and returns the hits of the last.
     run: Box<dyn Fn(usize) -> [Hit<f32>; RAYS] + Send + Sync>,
 }
 
 #[derive(Default)]
 pub(crate) struct Speed {
-    pub(crate) kernels: Vec<KernelRow>,
+    pub(crate) methods: Vec<MethodRow>,
     jobs: Vec<Job>,
     seed: u64,
 }
@@ -185,7 +207,8 @@ impl Speed {
         speed
     }
 
-    /// Times every job with each number of threads, and calls `progress` now and then with the share that is done.
+    /// Times every job with each number of threads, and calls `after_round` each time that all had a turn, with the share that is
+    /// done.
     ///
     /// # Errors
     /// If two faces, or two threads, of a kernel end with different hits: a timing of wrong results is worth nothing.
@@ -194,7 +217,7 @@ impl Speed {
         samples: usize,
         sample_seconds: f64,
         thread_counts: &[usize],
-        progress: &dyn Fn(f64),
+        after_round: &mut dyn FnMut(f64),
     ) -> Result<Vec<SpeedRow>, Error> {
         let expected: Vec<u64> = self.jobs.iter().map(|job| checksum(&(job.run)(1))).collect();
         for (job, sum) in self.jobs.iter().zip(&expected) {
@@ -214,7 +237,7 @@ impl Speed {
                 }
                 times.push(seconds * 1e9 / (passes[index] * threads * RAYS * PRIMITIVES) as f64);
             }
-            progress((sample + 1) as f64 / samples as f64);
+            after_round((sample + 1) as f64 / samples as f64);
         }
         let row = |(slot, times): (usize, &Vec<f64>)| {
             let index = slot / thread_counts.len();
@@ -227,6 +250,7 @@ impl Speed {
                 ns_per_test_mad: mad(times),
                 tests_per_second: 1e9 / ns_per_test,
                 samples,
+                hit_share: self.jobs[index].hit_share,
                 checksum: format!("{:016x}", expected[index]),
             }
         };
@@ -240,13 +264,12 @@ impl<S: Subject> Visitor<S> for Speed {
         let id = K::INFO.id.to_string();
         let [setup_ns, setup_ns_packet] =
             if size_of::<<K as Intersect<f32>>::Setup>() == 0 { [0.0; 2] } else { bench.setup_ns() };
-        let operations = K::INFO.operations;
-        self.kernels.push(KernelRow {
+        self.methods.push(MethodRow {
             id: id.clone(),
             family: S::FAMILY.into(),
             idea: K::INFO.idea.into(),
             source: K::INFO.source.into(),
-            operations: [operations.mul, operations.add, operations.div],
+            operations: K::INFO.operations.into(),
             prepared_bytes: size_of::<K>(),
             setup_bytes: size_of::<<K as Intersect<f32>>::Setup>(),
             setup_ns,
@@ -254,7 +277,7 @@ impl<S: Subject> Visitor<S> for Speed {
             claims: K::INFO.claims.iter().map(|claim| claim.name().into()).collect(),
         });
         for face in Face::ALL {
-            let bench = bench.clone();
+            let (bench, hit_share) = (bench.clone(), bench.hit_share(face));
             let run = move |passes| {
                 let mut hits = [Hit::MISS; RAYS];
                 for _ in 0..passes {
@@ -262,7 +285,7 @@ impl<S: Subject> Visitor<S> for Speed {
                 }
                 hits
             };
-            self.jobs.push(Job { id: id.clone(), face, run: Box::new(run) });
+            self.jobs.push(Job { id: id.clone(), face, hit_share, run: Box::new(run) });
         }
     }
 }

@@ -1,14 +1,20 @@
 //! The record as text for a terminal.
 
-use super::figures::{Cell, Figures, Grid, MISSING, count, groups, number, optional, severity, thread_counts, times};
+use super::figures::{
+    Cell, Figures, Grid, MISSING, count, groups, groups_of_methods, number, optional, percent, severity, thread_counts,
+    times,
+};
 use super::record::Record;
+use super::report::verdict;
 use super::tracing::{Traced, modes};
 
-/// The record in at most 110 columns for IDs of the usual length; `color` adds ANSI colours: the best of its group
+/// The record in at most 110 columns for IDs of the usual length: instances of one kernel only, so that methods are
+/// compared, and the verdict last, where it is seen. `color` adds ANSI colours: the best of its group, and all that tie with it,
 /// green, lost rays red.
 pub fn terminal_table(record: &Record, color: bool) -> String {
     let mut text = kernel_grid(record).terminal(color);
-    text += "\nns: nanoseconds per test of one ray against one primitive, one thread. Mt/s: million tests per second, 8x1.\n\
+    text += "\nns: nanoseconds per test of one ray against one primitive, one thread. limit: share of what the machine can do at most.\n\
+             Mt/s: million tests per second, 8x1. gain: 1x1 over 8x1. Green: the best, and what ties with it.\n\
              lost: rays that exactly hit, reported to miss, per million, where that is worst; (< b): none was, 95 % bound.\n\
              ulp: 99th percentile of the distance of t from the correctly rounded one, generic rays.\n";
     if let Some(claims) = claims(record) {
@@ -19,6 +25,12 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
         text += &tracer_grid(record).terminal(color);
         text += "\nscalar, single, packet, auto: million rays per second, by number of threads. choice: auto over the faster of\n\
                  single and packet. gain: auto over scalar. scaling: auto with several threads over one.\n";
+    }
+    let verdict = verdict(&groups(record));
+    if !verdict.is_empty() {
+        text += "\n";
+        // Emphasis is for Markdown.
+        text.extend(verdict.iter().map(|line| format!("- {}\n", line.replace(['*', '`'], ""))));
     }
     text
 }
@@ -44,21 +56,21 @@ fn lost_in(kernel: &Figures) -> String {
 
 fn kernel_grid(record: &Record) -> Grid {
     let threads = thread_counts(record.speed.iter().map(|row| row.threads));
-    let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain"]);
+    let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain", "limit"]);
     grid.header.extend(threads.iter().map(|threads| Cell::from(format!("Mt/s {threads}T"))));
     grid.header.extend(["lost", "in", "ulp"].map(Cell::from));
-    for group in groups(record) {
+    for group in groups_of_methods(record) {
         grid.rows.push(vec![Cell::from(group.heading())]);
-        let least = |figure: fn(&Figures) -> Option<f64>| group.kernels.iter().filter_map(figure).reduce(f64::min);
-        let scalar = least(|kernel| kernel.ns("1x1"));
-        let packet = least(|kernel| kernel.ns("8x1"));
+        let is_among = |fastest: &[&Figures], kernel: &Figures| fastest.iter().any(|best| std::ptr::eq(*best, kernel));
+        let [scalar, packet] = ["1x1", "8x1"].map(|face| group.fastest(face));
         let ulp = group.kernels.iter().filter_map(Figures::ulp).min();
         for kernel in &group.kernels {
             let mut row = vec![
                 Cell::from(format!("  {}", kernel.name)),
-                Cell::from(optional(kernel.ns("1x1"), 3)).best_if(kernel.ns("1x1") == scalar),
-                Cell::from(optional(kernel.ns("8x1"), 3)).best_if(kernel.ns("8x1") == packet),
+                Cell::from(optional(kernel.ns("1x1"), 3)).best_if(is_among(&scalar, kernel)),
+                Cell::from(optional(kernel.ns("8x1"), 3)).best_if(is_among(&packet, kernel)),
                 Cell::from(times(kernel.gain())),
+                Cell::from(percent(kernel.limit_share())),
             ];
             row.extend(threads.iter().map(|&threads| Cell::from(optional(kernel.mtests("8x1", threads), 3))));
             row.push(
@@ -96,11 +108,11 @@ fn tracer_grid(record: &Record) -> Grid {
             grid.rows.push(vec![Cell::from(scene.as_str())]);
             heading = scene;
         }
-        let best = traced.fastest(&modes());
         let mut row = vec![Cell::from(format!("  {}", first.rays))];
         row.extend(modes().map(|mode| {
-            let mrays = traced.mrays(mode, 1);
-            Cell::from(optional(mrays, 3)).best_if(mrays.is_some() && mrays == best)
+            let row = traced.row(mode, 1);
+            Cell::from(optional(row.map(|row| row.mrays_per_second), 3))
+                .best_if(row.is_some_and(|row| traced.is_among_the_fastest(row)))
         }));
         row.extend([traced.choice(), traced.gain()].map(|ratio| Cell::from(times(ratio))));
         for &threads in &threads {
@@ -121,14 +133,16 @@ mod tests {
     fn the_table_shows_every_kernel_in_few_columns() {
         let record = record_of(&all_ids());
         let plain = terminal_table(&record, false);
-        for group in groups(&record) {
+        for group in groups_of_methods(&record) {
             let section = plain.lines().skip_while(|line| *line != group.heading());
             let names: Vec<_> = section.skip(1).map(|line| line.split_whitespace().next().unwrap_or("")).collect();
             let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
             assert!(names.starts_with(&expected), "{}: {names:?}", group.title);
         }
         assert!(plain.contains("0 (< 15)"), "a zero is shown as a bound");
-        assert!(plain.lines().all(|line| line.chars().count() <= 110), "{plain}");
+        let (tables, verdict) = plain.split_at(plain.find("\n- ").unwrap());
+        assert!(tables.lines().all(|line| line.chars().count() <= 110), "{plain}");
+        assert!(verdict.contains("- Triangles: cramer lost none of "), "{verdict}");
         assert!(!plain.contains('\x1b'));
     }
 

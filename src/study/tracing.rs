@@ -49,6 +49,15 @@ impl<'a> Traced<'a> {
         modes.iter().filter_map(|mode| self.mrays(mode, 1)).reduce(f64::max)
     }
 
+    /// Whether no mode is faster than this row, in as many threads, by more than both median absolute deviations.
+    pub(super) fn is_among_the_fastest(&self, row: &TracerRow) -> bool {
+        let is_faster = |other: &TracerRow| {
+            let spread = other.mrays_per_second_mad + row.mrays_per_second_mad;
+            other.threads == row.threads && other.mrays_per_second - row.mrays_per_second > spread
+        };
+        !self.rows.iter().any(|other| is_faster(other))
+    }
+
     /// Mode auto over the faster of the two that it chooses from.
     pub(super) fn choice(&self) -> Option<f64> {
         quotient(self.mrays("auto", 1)?, self.fastest(&["single", "packet"])?)

@@ -1,6 +1,7 @@
 //! The charts, as SVG:
 //!
 //! - `speed_accuracy`: every kernel's speed against its error of `t` and against the rays it loses;
+//! - `packets`: what packets gain over scalar code, and their share of the machine's limit;
 //! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
 //! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image;
 //! - `coherence`: the tracer's modes on rays that have ever less in common;
@@ -14,6 +15,7 @@ mod axis;
 mod coherence;
 mod failure_map;
 mod look;
+mod packets;
 mod panel;
 mod peers;
 mod scaling;
@@ -64,6 +66,9 @@ pub(super) fn charts(record: &Record) -> Vec<Chart> {
     if !instances.is_empty() {
         charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::svg(record, &instances) });
     }
+    if groups.iter().any(|group| group.kernels.iter().any(|kernel| kernel.gain().is_some())) {
+        charts.push(Chart { file: PACKETS.into(), svg: packets::svg(record, &bases) });
+    }
     for group in &groups_of_methods(record) {
         for regime in record.regimes.iter().filter(|regime| regime.family == group.title) {
             charts.push(Chart { file: stability_file(regime), svg: stability::svg(record, group, regime) });
@@ -92,6 +97,8 @@ pub(super) const SPEED_ACCURACY: &str = "speed-accuracy.svg";
 /// File of the same chart of the instances.
 pub(super) const SPEED_ACCURACY_INSTANCES: &str = "speed-accuracy-instances.svg";
 
+/// File of the chart of what packets gain.
+pub(super) const PACKETS: &str = "packets.svg";
 /// File of the chart of modes by coherence.
 pub(super) const COHERENCE: &str = "coherence.svg";
 /// File of the chart of cost by size.
@@ -209,7 +216,7 @@ mod tests {
         let charts = charts(&record);
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
         let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
-        assert_eq!(charts.len(), 5 + record.regimes.len() + with_maps.len());
+        assert_eq!(charts.len(), 6 + record.regimes.len() + with_maps.len());
         for chart in &charts {
             sound(chart);
             if [COHERENCE, SCALING, PEERS].contains(&chart.file.as_str()) {
@@ -217,7 +224,7 @@ mod tests {
             }
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
             let shown: Vec<_> = match chart.file.as_str() {
-                SPEED_ACCURACY => groups.iter().filter(|group| group.is_base()).collect(),
+                SPEED_ACCURACY | PACKETS => groups.iter().filter(|group| group.is_base()).collect(),
                 SPEED_ACCURACY_INSTANCES => groups.iter().filter(|group| !group.is_base()).collect(),
                 file => {
                     let is_for = |group: &&Group| {

@@ -1,12 +1,12 @@
 //! The sections on what goes wrong: regimes step by step, failure maps, claims and absent kernels.
 
 use super::code;
-use crate::study::chart::{failure_map_file, maps_of, stability_file};
+use crate::study::chart::{SPEED_ACCURACY_INSTANCES, failure_map_file, maps_of, stability_file};
 use crate::study::failures::{FAILING_RATE, FAILING_ULP, Measure, Verdict, verdict};
 use crate::study::figures::{Cell, Figures, Grid, Group, MISSING, count, number, severity};
 use crate::study::record::{ClaimRow, Record, RegimeRow};
 
-/// Regimes: what fails where, and then a chart and tables for each.
+/// Regimes: what fails where, and then, of triangles and boxes, a chart and tables for each.
 pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
     if record.regimes.is_empty() {
         return Vec::new();
@@ -26,7 +26,38 @@ pub(super) fn stability(record: &Record, groups: &[Group]) -> Vec<String> {
         ),
         what_fails_where(record, groups),
     ];
-    for regime in &record.regimes {
+    parts.extend(regimes(record, groups, |regime| !is_curved_or_placed(regime)));
+    parts
+}
+
+/// Quadrics have roots and transforms have inverses, and either fails in its own ways.
+fn is_curved_or_placed(regime: &RegimeRow) -> bool {
+    regime.family == "quadric" || regime.family.starts_with("instance")
+}
+
+/// The regimes of quadrics and of instances, with what instances cost.
+pub(super) fn transforms_and_quadrics(record: &Record, groups: &[Group]) -> Vec<String> {
+    let sections = regimes(record, groups, is_curved_or_placed);
+    let instances = groups.iter().any(|group| !group.is_base());
+    if sections.is_empty() && !instances {
+        return Vec::new();
+    }
+    let mut parts = vec![
+        "## Transforms and quadrics\n\nQuadrics fail where their discriminant cancels, transforms where the ray that the object \
+         sees is rounded. An instance costs one transform of the ray, and the inner kernel's setup anew."
+            .to_owned(),
+    ];
+    if instances {
+        parts.push(format!("![Speed against accuracy of instances]({SPEED_ACCURACY_INSTANCES})"));
+    }
+    parts.extend(sections);
+    parts
+}
+
+/// A chart and tables for each of these regimes.
+fn regimes(record: &Record, groups: &[Group], shown: impl Fn(&RegimeRow) -> bool) -> Vec<String> {
+    let mut parts = Vec::new();
+    for regime in record.regimes.iter().filter(|regime| shown(regime)) {
         let kernels: Vec<&Figures> = kernels_of(groups, regime).collect();
         parts.push(format!("### {}, {}\n\n{}", regime.family, regime.name.replace('_', " "), regime.about));
         parts.push(format!("![{}, {}]({})", regime.family, regime.name, stability_file(regime)));
@@ -191,7 +222,7 @@ mod tests {
     fn every_regime_has_its_chart_and_a_table_for_each_measure() {
         let record = record_of(&all_ids());
         let groups = groups_of_methods(&record);
-        let text = stability(&record, &groups).join("\n\n");
+        let text = [stability(&record, &groups), transforms_and_quadrics(&record, &groups)].concat().join("\n\n");
         for regime in &record.regimes {
             let section = text.split("\n### ").find(|section| section.contains(&stability_file(regime))).unwrap();
             assert!(section.contains(&regime.about));
@@ -216,7 +247,7 @@ mod tests {
         assert_eq!(row(true, 0, 0), "claimed, not tested");
         let record = record_of(&all_ids());
         let text = claims(&record, &groups(&record)).join("\n\n");
-        for kernel in &record.kernels {
+        for kernel in &record.methods {
             assert_eq!(text.matches(&format!("\n| `{}` |", kernel.id)).count(), 1, "{}", kernel.id);
         }
     }

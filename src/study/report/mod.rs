@@ -1,28 +1,33 @@
 //! `report.md`: the record in words and tables. Every figure in it comes from the record.
 
 mod failures;
+mod packets;
 mod tracer;
+mod verdict;
 
-use crate::study::chart::{PEERS, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
+use crate::study::chart::{PEERS, SPEED_ACCURACY};
 use crate::study::figures::{
-    Cell, Figures, Grid, Group, Loss, MISSING, Rate, count, groups, groups_of_methods, number, severity, si,
-    thread_counts, times,
+    Cell, Figures, Grid, Group, Loss, MISSING, Rate, count, groups, groups_of_methods, number, severity, si, tied,
+    times,
 };
 use crate::study::peers::tables;
-use crate::study::record::{AccuracyRow, Record, SpeedRow};
+use crate::study::record::{AccuracyRow, OperationCounts, Record, SpeedRow};
+
+pub(super) use verdict::verdict;
 
 /// The report, in Markdown; it shows the charts, which belong beside it.
 pub(super) fn report_markdown(record: &Record) -> String {
     let groups = groups(record);
-    let mut parts = vec![title(record), advice(&groups), legend(&groups)];
-    parts.push(format!("![Speed against accuracy of every kernel]({SPEED_ACCURACY})"));
-    parts.extend([KERNELS.to_owned(), kernel_table(record, &groups)]);
-    if groups.iter().any(|group| !group.is_base()) {
-        parts.push(format!("![Speed against accuracy of instances]({SPEED_ACCURACY_INSTANCES})"));
-    }
-    parts.extend(failures::absent(record));
     let methods = groups_of_methods(record);
+    let mut parts = vec![title(record)];
+    parts.extend(verdict_list(&groups));
+    parts.push(format!("![Speed against accuracy of every kernel]({SPEED_ACCURACY})"));
+    parts.extend(verdict::noise(record, &groups));
+    parts.extend([advice(&groups), legend(&groups), KERNELS.to_owned(), kernel_table(&groups)]);
+    parts.extend(packets::section(record, &groups));
+    parts.extend(failures::absent(record));
     parts.extend(failures::stability(record, &methods));
+    parts.extend(failures::transforms_and_quadrics(record, &methods));
     parts.extend(failures::failure_maps(record, &methods));
     parts.extend(failures::claims(record, &groups));
     parts.push(ACCURACY.to_owned());
@@ -34,7 +39,8 @@ pub(super) fn report_markdown(record: &Record) -> String {
     }
     parts.extend(tracer::throughput(record));
     parts.extend(tracer::coherence(record));
-    parts.extend(tracer::growth(record));
+    parts.extend(tracer::several_threads(record, &groups));
+    parts.extend(tracer::memory(record, &groups));
     if !record.peers.is_empty() {
         parts.push(format!("## Peers\n\n{}", tables::LEGEND));
         parts.push(format!("![Rays per second of raylanes and its peers]({PEERS})"));
@@ -46,15 +52,21 @@ pub(super) fn report_markdown(record: &Record) -> String {
     parts.iter().map(|part| part.trim_end()).collect::<Vec<_>>().join("\n\n") + "\n"
 }
 
+/// The verdict as a list, if there is one.
+fn verdict_list(groups: &[Group]) -> Option<String> {
+    let lines: Vec<_> = verdict(groups).into_iter().map(|line| format!("- {line}")).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
+}
+
 const KERNELS: &str = "\
 ## Kernels
 
 Nanoseconds per test of one ray against one primitive in one thread, median ± median absolute deviation; smaller is \
-faster, and the fastest of each family is bold. `1x1` is one ray and one primitive (scalar), `8x1` eight rays against one \
-primitive, `1x8` one ray against eight primitives. The gain is the time of `1x1` over that of `8x1`, and the scaling the \
-throughput of `8x1` with several threads over that with one. Bytes are prepared per primitive. The setup is computed once \
+faster, and the fastest of each family is bold, with all that tie with it. `1x1` is one ray and one primitive (scalar), `8x1` eight rays against one \
+primitive, `1x8` one ray against eight primitives. Bytes are prepared per primitive. The setup is computed once \
 per ray: its bytes (scalar), and its nanoseconds per ray, scalar / in a packet. Operations are multiplications / additions / \
-divisions of one test. Claims are held by the tests without tolerance.";
+comparisons, minima and maxima / divisions and roots of one test that is computed to its end, in brackets those of them in \
+`f64`. Claims are held by the tests without tolerance.";
 
 const ACCURACY: &str = "\
 ## Accuracy
@@ -99,7 +111,7 @@ fn title(record: &Record) -> String {
     let quick = if record.quick { " This was a quick run, with fewer rays and samples: do not quote it." } else { "" };
     format!(
         "# Speed and accuracy of {} intersection kernels\n\n{}, {}, {} logical processors, {}.{quick}",
-        record.kernels.len(),
+        record.methods.len(),
         date(record.started_unix),
         record.machine.cpu,
         record.machine.processors,
@@ -128,8 +140,7 @@ type Timed<'a> = [(&'a Figures<'a>, &'a SpeedRow)];
 
 fn fastest(timed: &Timed) -> Option<String> {
     let &(kernel, row) = timed.first()?;
-    let tied = |other: &SpeedRow| other.ns_per_test - row.ns_per_test <= other.ns_per_test_mad + row.ns_per_test_mad;
-    let ties = timed[1..].iter().filter(|(_, other)| tied(other)).map(|(kernel, _)| kernel.name.as_str());
+    let ties = timed[1..].iter().filter(|(_, other)| tied(row, other)).map(|(kernel, _)| kernel.name.as_str());
     let lost = kernel.lost.map_or(String::new(), |lost| format!(", loses {lost}"));
     Some(format!(
         "**`{}`** {} M/s{lost}{}",
@@ -155,10 +166,13 @@ fn best(
     text: impl Fn(&Figures) -> Option<String>,
 ) -> Option<String> {
     let least = timed.iter().filter_map(|(kernel, _)| figure(kernel)).reduce(f64::min)?;
-    let mut equals = timed.iter().filter(|(kernel, _)| figure(kernel) == Some(least));
-    let (kernel, row) = equals.next()?;
+    let equals: Vec<_> = timed.iter().filter(|(kernel, _)| figure(kernel) == Some(least)).collect();
+    let (kernel, row) = equals.first()?;
     let price = times(Some(row.ns_per_test / timed[0].1.ns_per_test));
-    let others = list("as good, but slower:", equals.map(|(kernel, _)| kernel.name.as_str()));
+    let (ties, slower): (Vec<_>, Vec<_>) = equals[1..].iter().partition(|(_, other)| tied(row, other));
+    let names =
+        |of: Vec<&&(&Figures, &SpeedRow)>, remark| list(remark, of.iter().map(|(kernel, _)| kernel.name.as_str()));
+    let others = names(ties, "as good, and a tie:") + &names(slower, "as good, but slower:");
     Some(format!("**`{}`** {}, {price} the time{others}", kernel.name, text(kernel)?))
 }
 
@@ -190,26 +204,16 @@ fn legend(groups: &[Group]) -> String {
     text
 }
 
-fn kernel_table(record: &Record, groups: &[Group]) -> String {
-    let threads = thread_counts(record.speed.iter().map(|row| row.threads).filter(|&threads| threads > 1));
-    let mut grid = Grid::new(1, ["kernel", "1x1 ns", "8x1 ns", "1x8 ns", "gain"]);
-    grid.header.extend(threads.iter().map(|threads| Cell::from(format!("scaling {threads}T"))));
-    grid.header.extend(["bytes", "setup bytes", "setup ns", "mul / add / div", "claims"].map(Cell::from));
+fn kernel_table(groups: &[Group]) -> String {
+    let header = ["kernel", "1x1 ns", "8x1 ns", "1x8 ns", "bytes", "setup bytes", "setup ns", "operations", "claims"];
+    let mut grid = Grid::new(1, header);
     for group in groups {
-        let least = ["1x1", "8x1", "1x8"].map(|face| {
-            let times = group.kernels.iter().filter_map(|kernel| kernel.ns(face));
-            (face, times.reduce(f64::min))
-        });
+        let fastest = ["1x1", "8x1", "1x8"].map(|face| (face, group.fastest(face)));
         for kernel in &group.kernels {
             let mut row = vec![code(&kernel.kernel.id)];
-            row.extend(least.map(|(face, least)| {
+            row.extend(fastest.each_ref().map(|(face, fastest)| {
                 let time = kernel.speed(face, 1).map_or(MISSING.to_owned(), with_mad);
-                Cell::from(time).best_if(least.is_some() && kernel.ns(face) == least)
-            }));
-            row.push(Cell::from(times(kernel.gain())));
-            row.extend(threads.iter().map(|&threads| {
-                let scaling = kernel.mtests("8x1", threads).zip(kernel.mtests("8x1", 1));
-                Cell::from(times(scaling.map(|(many, one)| many / one)))
+                Cell::from(time).best_if(fastest.iter().any(|best| std::ptr::eq(*best, kernel)))
             }));
             let info = kernel.kernel;
             let claims = if info.claims.is_empty() { MISSING.to_owned() } else { info.claims.join(", ") };
@@ -217,13 +221,21 @@ fn kernel_table(record: &Record, groups: &[Group]) -> String {
                 Cell::from(info.prepared_bytes.to_string()),
                 Cell::from(info.setup_bytes.to_string()),
                 Cell::from(format!("{} / {}", number(info.setup_ns, 2), number(info.setup_ns_packet, 2))),
-                Cell::from(info.operations.map(|operations| operations.to_string()).join(" / ")),
+                Cell::from(operations(&info.operations)),
                 Cell::from(claims),
             ]);
             grid.rows.push(row);
         }
     }
     grid.markdown()
+}
+
+/// Multiplications, additions, comparisons and divisions, with what is in `f64` in brackets.
+fn operations(counts: &OperationCounts) -> String {
+    let OperationCounts { mul, add, compare, div, mul_f64, add_f64, compare_f64, div_f64, .. } = *counts;
+    let pairs = [(mul, mul_f64), (add, add_f64), (compare, compare_f64), (div, div_f64)];
+    let text = |(all, double)| if double == 0 { format!("{all}") } else { format!("{all} ({double})") };
+    pairs.map(text).join(" / ")
 }
 
 fn code(id: &str) -> Cell {
@@ -307,7 +319,7 @@ fn machine(record: &Record) -> String {
 /// Ideas and sources, kernels that share both together.
 fn sources(record: &Record) -> String {
     let mut sources: Vec<(&str, &str, Vec<String>)> = Vec::new();
-    for kernel in &record.kernels {
+    for kernel in &record.methods {
         let id = format!("`{}`", kernel.id);
         match sources.iter_mut().find(|(idea, source, _)| *idea == kernel.idea && *source == kernel.source) {
             Some((_, _, ids)) => ids.push(id),
@@ -363,7 +375,7 @@ mod tests {
         let record = record_of(&all_ids());
         let report = report_markdown(&record);
         let methods = groups_of_methods(&record);
-        for kernel in &record.kernels {
+        for kernel in &record.methods {
             // Kernels, claims, two tables for each of two workloads, and checksums; and one for each measure of a regime.
             let mut groups = methods.iter();
             let group = groups.find(|group| group.kernels.iter().any(|shown| shown.kernel.id == kernel.id));

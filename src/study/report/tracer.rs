@@ -2,8 +2,11 @@
 
 use super::code;
 use crate::study::chart::{COHERENCE, SCALING};
-use crate::study::figures::{Cell, Grid, MISSING, count, number, optional, severity, thread_counts, times};
+use crate::study::figures::{
+    Cell, Figures, Grid, Group, MISSING, count, number, optional, severity, thread_counts, times,
+};
 use crate::study::record::{CoherenceRow, Record, TracerRow};
+use crate::study::stats::median;
 use crate::study::tracing::{Coherence, Growth, Traced, modes};
 
 /// Scenes, modes side by side, and more threads against one.
@@ -12,28 +15,71 @@ pub(super) fn throughput(record: &Record) -> Vec<String> {
     if all.is_empty() {
         return Vec::new();
     }
-    let mut parts = vec![
+    vec![
         "## Tracer\n\nWhole scenes, and four sets of rays for each: *primary* rays of a picture and the *shadow* rays of what \
          they hit run alike; *bounce* and *ambient occlusion* rays leave what was hit in all directions. Shadow and \
          ambient occlusion ask for any hit, the others for the closest. All modes and thread counts gave the same bits. Bytes \
          are those of geometry, prepared primitives and nodes; a scene is built on all threads."
             .to_owned(),
         scenes(&all),
-        "### Modes\n\nMillion rays per second in one thread, median ± median absolute deviation; the fastest is bold. \
-         *scalar* is the reference, one ray at a time; *single* one ray against eight boxes or triangles; *packet* blocks of rays \
-         that run alike, and of the others packets of eight; *auto* blocks too, and of the others streams, or packets where \
-         there are instances. *Choice* is auto over the faster of single and packet, *gain* auto over scalar."
+        "### Modes\n\nMillion rays per second in one thread, median ± median absolute deviation; the fastest is bold, with all \
+         that tie with it. *scalar* is the reference, one ray at a time; *single* one ray against eight boxes or triangles; \
+         *packet* blocks of rays that run alike, and of the others packets of eight; *auto* blocks too, and of the others \
+         streams, or packets where there are instances. *Choice* is auto over the faster of single and packet, *gain* auto over \
+         scalar."
             .to_owned(),
         side_by_side(&all),
-    ];
-    for threads in thread_counts(record.tracer.iter().map(|row| row.threads).filter(|&threads| threads > 1)) {
+    ]
+}
+
+/// Throughput with more threads over that with one, of kernels and of the tracer.
+pub(super) fn several_threads(record: &Record, groups: &[Group]) -> Vec<String> {
+    let all = Traced::all(record);
+    let counts = record.speed.iter().map(|row| row.threads).chain(record.tracer.iter().map(|row| row.threads));
+    let mut parts = Vec::new();
+    for threads in thread_counts(counts.filter(|&threads| threads > 1)) {
         parts.push(format!(
-            "### {threads} threads against one\n\nThroughput over that with one thread, ± what both median absolute deviations \
-             together make of it.{}",
-            least_and_greatest(&all, threads).map_or(String::new(), |range| format!(" Mode auto: {range}."))
+            "## {threads} threads against one\n\nThroughput over that with one thread, of the tracer ± what both median absolute \
+             deviations together make of it. Kernels work on data of their own in first-level caches of their own: what they lack \
+             of {threads}× is what the cores share with each other, and with whatever else runs on the machine.{}",
+            least_and_greatest(&all, threads).map_or(String::new(), |range| format!(" Tracer in mode auto: {range}."))
         ));
-        parts.push(by_threads(&all, threads));
+        parts.extend([kernels_by_threads(groups, threads), by_threads(&all, threads)].into_iter().flatten());
     }
+    parts
+}
+
+/// Groups of kernels: the least, the middle and the greatest of their scalings.
+fn kernels_by_threads(groups: &[Group], threads: usize) -> Option<String> {
+    let mut grid = Grid::new(1, ["kernels, in packets of eight", "least", "median", "greatest"]);
+    for group in groups {
+        let scaling = |kernel: &Figures| Some(kernel.mtests("8x1", threads)? / kernel.mtests("8x1", 1)?);
+        let mut scalings: Vec<f64> = group.kernels.iter().filter_map(scaling).collect();
+        scalings.sort_by(f64::total_cmp);
+        if let [least, .., greatest] = scalings[..] {
+            let figures = [least, median(&scalings), greatest].map(|ratio| Cell::from(times(Some(ratio))));
+            grid.rows.push([Cell::from(group.heading())].into_iter().chain(figures).collect());
+        }
+    }
+    (!grid.rows.is_empty()).then(|| grid.markdown())
+}
+
+/// What is kept for each primitive, and what becomes of the cost of a ray when there are ever more of them.
+pub(super) fn memory(record: &Record, groups: &[Group]) -> Vec<String> {
+    let mut grid = Grid::new(1, ["kernels", "least bytes", "most bytes"]);
+    for group in groups {
+        let bytes = |kernel: &Figures| (kernel.kernel.prepared_bytes, kernel.name.clone());
+        let (least, most) = (group.kernels.iter().map(bytes).min(), group.kernels.iter().map(bytes).max());
+        let cells = [least, most].into_iter().flatten().map(|(bytes, name)| Cell::from(format!("{bytes} (`{name}`)")));
+        grid.rows.push([Cell::from(group.heading())].into_iter().chain(cells).collect());
+    }
+    let mut parts = vec![
+        "## Memory\n\nWhat kernels prepare for each primitive; a tree adds its nodes, and vertices where nothing is prepared from \
+         which they could be told."
+            .to_owned(),
+        grid.markdown(),
+    ];
+    parts.extend(growth(record));
     parts
 }
 
@@ -59,11 +105,10 @@ fn side_by_side(all: &[Traced]) -> String {
         let first = traced.first;
         let mut row = [&first.scene, &first.rays].map(|text| Cell::from(text.as_str())).to_vec();
         row.extend([first.ray_count, first.hits].map(|value| Cell::from(count(value as u64))));
-        let best = traced.fastest(&modes());
         row.extend(modes().map(|mode| {
             match traced.row(mode, 1) {
                 Some(row) => Cell::from(with_mad(row.mrays_per_second, row.mrays_per_second_mad))
-                    .best_if(Some(row.mrays_per_second) == best),
+                    .best_if(traced.is_among_the_fastest(row)),
                 None => Cell::from(MISSING),
             }
         }));
@@ -77,7 +122,7 @@ fn with_mad(value: f64, mad: f64) -> String {
     format!("{} ± {}", number(value, 3), number(mad, 1))
 }
 
-fn by_threads(all: &[Traced], threads: usize) -> String {
+fn by_threads(all: &[Traced], threads: usize) -> Option<String> {
     let mut grid = Grid::new(2, ["scene", "rays"]);
     grid.header.extend(modes().map(Cell::from));
     for traced in all {
@@ -87,7 +132,7 @@ fn by_threads(all: &[Traced], threads: usize) -> String {
         }));
         grid.rows.push(row);
     }
-    grid.markdown()
+    (!grid.rows.is_empty()).then(|| grid.markdown())
 }
 
 /// Where mode auto gains least and most by that many threads.
@@ -205,7 +250,7 @@ fn counts(coherence: &Coherence) -> String {
 }
 
 /// Cost of a ray against the size of the scene.
-pub(super) fn growth(record: &Record) -> Vec<String> {
+fn growth(record: &Record) -> Vec<String> {
     let all = Growth::all(record);
     let Some(sizes) = all.first().map(|growth| &growth.rows) else { return Vec::new() };
     let mut header =
@@ -233,7 +278,7 @@ pub(super) fn growth(record: &Record) -> Vec<String> {
     }
     vec![
         format!(
-            "## Size\n\nOne landscape in one picture, of ever more triangles; mode auto, one thread. Cost grows with \
+            "### Size\n\nOne landscape in one picture, of ever more triangles; mode auto, one thread. Cost grows with \
              the depth of the tree, with misses of the caches, and, where triangles are smaller than pixels, with what \
              neighbouring rays no longer have in common. The growth is that of a ray's cost, per factor of ten of \
              triangles.{}\n\n![Cost of a ray, build and memory against size]({SCALING})",

@@ -1,0 +1,175 @@
+//! What packets gain over scalar code, and how close they come to what the machine can do.
+
+use super::code;
+use crate::study::chart::PACKETS;
+use crate::study::figures::{Cell, Figures, Grid, Group, MISSING, count, number, percent, times};
+use crate::study::record::{OperationCounts, RateRow, Record};
+
+/// Lanes of a packet: the gain that there would be if all else were equal.
+const IDEAL: f64 = 8.0;
+/// A gain below this is explained.
+const GOOD: f64 = 7.0;
+
+/// The section, if there is anything to say.
+pub(super) fn section(record: &Record, groups: &[Group]) -> Vec<String> {
+    let kernels: Vec<&Figures> =
+        groups.iter().flat_map(|group| &group.kernels).filter(|one| one.gain().is_some()).collect();
+    if kernels.is_empty() {
+        return Vec::new();
+    }
+    let mut parts = vec![format!(
+        "## Packets against scalar code, and the machine's limit\n\n*Gain* is the time of `1x1` over that of `8x1`, per ray; \
+         {IDEAL}× would be ideal. The *limit* is what the busiest class of a kernel's operations takes at least: counted operations, \
+         as in the table above, times what such an operation was measured to take in the same run where it waits for nothing. \
+         *Multiply and add* is all arithmetic together. Selections, logic and conversions are not counted, nor what the \
+         timed pass adds to keep the closest hit. The last column follows from \
+         gain = {IDEAL} × (share of the limit in packets) / (share in scalar code), the latter as if a scalar operation took as \
+         long as one on eight lanes: above 100 % it left work out, by exits and branches."
+    )];
+    parts.push(format!("![Gain of packets over scalar code, and share of the machine's limit]({PACKETS})"));
+    let header = [
+        "kernel",
+        "gain",
+        "limit ns",
+        "busiest",
+        "share",
+        "scalar share",
+        "hit 8x1",
+        "hit 1x1",
+        "why the gain is no more",
+    ];
+    let mut grid = Grid::new(1, header);
+    grid.rows.extend(kernels.iter().map(|kernel| row(record, kernel)));
+    parts.push(grid.markdown());
+    parts.push(
+        "*hit*: share of the tests, eight at once or one, in which anything is hit. These go on to the end.".to_owned(),
+    );
+    if !record.rates.is_empty() {
+        parts.push("What operations on eight lanes take at least, in one thread:".to_owned());
+        parts.push(rates(&record.rates));
+    }
+    parts
+}
+
+fn row(record: &Record, kernel: &Figures) -> Vec<Cell> {
+    let packet = kernel.packet();
+    let hits = ["8x1", "1x1"].map(|face| percent(kernel.speed(face, 1).map(|row| row.hit_share)));
+    let limit = packet.and_then(|row| Some(format!("{} of {}", number(row.limit_ns?, 3), number(row.ns_per_test, 3))));
+    let class = packet.and_then(|row| row.limit_by.clone());
+    let [hit_packets, hit_rays] = hits;
+    vec![
+        code(&kernel.kernel.id),
+        Cell::from(times(kernel.gain())),
+        Cell::from(limit.unwrap_or(MISSING.to_owned())),
+        Cell::from(class.unwrap_or(MISSING.to_owned())),
+        Cell::from(percent(kernel.limit_share())),
+        Cell::from(percent(kernel.scalar_limit_share())),
+        Cell::from(hit_packets),
+        Cell::from(hit_rays),
+        Cell::from(explanation(record, kernel)),
+    ]
+}
+
+/// Why packets gain less than they should, from what was counted and measured.
+fn explanation(record: &Record, kernel: &Figures) -> String {
+    let Some(gain) = kernel.gain().filter(|&gain| gain < GOOD) else { return String::new() };
+    let mut reasons = Vec::new();
+    if let (Some(packet), Some(scalar)) = (kernel.limit_share(), kernel.scalar_limit_share()) {
+        reasons.push(if scalar > 1.0 {
+            format!("scalar code leaves work out ({} of its limit)", percent(Some(scalar)))
+        } else if scalar > packet {
+            format!(
+                "scalar code comes closer to its limit than packets: {} × {} / {}",
+                IDEAL,
+                percent(Some(packet)),
+                percent(Some(scalar))
+            )
+        } else {
+            format!(
+                "packets come closer to their limit than scalar code, {} and {}",
+                percent(Some(packet)),
+                percent(Some(scalar))
+            )
+        });
+    }
+    let hits = |face| kernel.speed(face, 1).map(|row| row.hit_share);
+    if let (Some(packets), Some(rays)) = (hits("8x1"), hits("1x1"))
+        && packets > 2.0 * rays
+    {
+        reasons.push(format!(
+            "{} times as many packets as rays hit something and go on to the end",
+            number(packets / rays, 2)
+        ));
+    }
+    let OperationCounts { mul, add, mul_f64, add_f64, .. } = kernel.kernel.operations;
+    let takes = |precision| record.rates.iter().find(|row| row.operation == "multiply" && row.precision == precision);
+    if let (Some(single), Some(double)) = (takes("f32"), takes("f64"))
+        && 2 * (mul_f64 + add_f64) > mul + add
+    {
+        let ratio = double.ns_per_operation / single.ns_per_operation;
+        reasons.push(format!("eight lanes of `f64` take {} as long as of `f32`", times(Some(ratio))));
+    }
+    if reasons.is_empty() { format!("{} of {IDEAL}", times(Some(gain))) } else { reasons.join("; ") }
+}
+
+fn rates(rows: &[RateRow]) -> String {
+    let mut grid = Grid::new(2, ["operation", "precision", "ns", "billions per second", "samples"]);
+    grid.rows.extend(rows.iter().map(|row| {
+        vec![
+            Cell::from(row.operation.as_str()),
+            Cell::from(row.precision.as_str()),
+            Cell::from(format!("{} ± {}", number(row.ns_per_operation, 3), number(row.ns_per_operation_mad, 1))),
+            Cell::from(number(row.operations_per_second / 1e9, 3)),
+            Cell::from(count(row.samples as u64)),
+        ]
+    }));
+    grid.markdown()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::figures::groups;
+    use crate::study::fixture::{all_ids, degenerate_records, record_of};
+    use crate::study::summary;
+
+    fn explained(record: &Record, id: &str) -> String {
+        let groups = groups(record);
+        let kernel = groups.iter().flat_map(|group| &group.kernels).find(|kernel| kernel.kernel.id == id).unwrap();
+        explanation(record, kernel)
+    }
+
+    #[test]
+    fn a_small_gain_is_explained_by_what_was_counted() {
+        let mut record = record_of(&["triangle/cramer".into(), "triangle/moller_trumbore_f64".into()]);
+        let set = |record: &mut Record, scalar: f64, packet: f64| {
+            for row in &mut record.speed {
+                row.ns_per_test = if row.face == "1x1" { scalar } else { packet };
+            }
+            record.kernels = summary::kernels(record);
+        };
+        // The limit is 52 operations of 0.08 ns for eight tests.
+        set(&mut record, 5.2, 1.04);
+        let text = explained(&record, "triangle/cramer");
+        assert!(text.contains("8 × 50 % / 80 %") && text.contains("5.2 times as many packets"), "{text}");
+        assert!(!text.contains("f64"), "{text}");
+        assert!(explained(&record, "triangle/moller_trumbore_f64").contains("`f64` take 2.00× as long"));
+        set(&mut record, 3.0, 1.0);
+        assert!(explained(&record, "triangle/cramer").contains("leaves work out (139 % of its limit)"));
+        set(&mut record, 7.1, 1.0);
+        assert_eq!(explained(&record, "triangle/cramer"), "");
+    }
+
+    #[test]
+    fn every_kernel_that_was_timed_is_in_the_table() {
+        let record = record_of(&all_ids());
+        let text = section(&record, &groups(&record)).join("\n\n");
+        for method in &record.methods {
+            assert_eq!(text.matches(&format!("\n| `{}` |", method.id)).count(), 1, "{}", method.id);
+        }
+        for record in degenerate_records() {
+            let text = section(&record, &groups(&record)).join("\n\n");
+            assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        }
+    }
+}
