@@ -88,10 +88,13 @@ impl Intersect<f32> for Cramer<f32> {
         let det = determinant(a, b, ray.dir);
         let u = determinant(s, b, ray.dir) / det;
         let v = determinant(a, s, ray.dir) / det;
-        let t = determinant(a, b, s) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
+        if !inside {
+            return Hit::MISS;
+        }
+        let t = determinant(a, b, s) / det;
         Hit::<f32>::new((det != 0.0) & inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -86,10 +86,13 @@ impl Intersect<f32> for KenslerShirley<f32> {
 
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
-        let t = n.dot(c) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
+        if !inside {
+            return Hit::MISS;
+        }
+        let t = n.dot(c) * inv_det;
         Hit::<f32>::new((det != 0.0) & inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -79,10 +79,13 @@ impl Intersect<f32> for MollerTrumbore<f32> {
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = ray.dir.dot(q) * inv_det;
-        let t = e2.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
+        if !inside {
+            return Hit::MISS;
+        }
+        let t = e2.dot(q) * inv_det;
         Hit::<f32>::new((det != 0.0) & inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

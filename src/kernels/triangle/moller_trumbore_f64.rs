@@ -99,10 +99,13 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = dir.dot(q) * inv_det;
-        let t = (e2.dot(q) * inv_det) as f32;
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
+        if !inside {
+            return Hit::MISS;
+        }
+        let t = (e2.dot(q) * inv_det) as f32;
         Hit::<f32>::new(inside & accepts(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
     }
 }

@@ -86,11 +86,14 @@ impl Intersect<f32> for Pluecker<f32> {
         let u = (a - c).cross(a + c).dot(ray.dir);
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
-        let inv_sum = 1.0 / (u + v + w);
-        let t = self.n.dot(a) / self.n.dot(ray.dir);
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = ((u >= 0.0) & (v >= 0.0) & (w >= 0.0)) | ((u <= 0.0) & (v <= 0.0) & (w <= 0.0));
+        if !inside {
+            return Hit::MISS;
+        }
+        let inv_sum = 1.0 / (u + v + w);
+        let t = self.n.dot(a) / self.n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow.
         let numbers = (u + v).abs() < f32::INFINITY;

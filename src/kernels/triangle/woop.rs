@@ -97,6 +97,9 @@ impl Intersect<f32> for Woop<f32> {
             weights = sheared.exact_weights(weights);
             inside = Inside::of(weights);
         }
+        if !inside.closed {
+            return Hit::MISS;
+        }
         sheared.hit(inside.closed, weights, ray, setup)
     }
 }

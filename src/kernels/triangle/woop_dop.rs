@@ -92,7 +92,11 @@ impl Intersect<f32> for WoopDop<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
-        sheared.hit(Inside::of(weights).closed, weights, ray, setup)
+        let inside = Inside::of(weights).closed;
+        if !inside {
+            return Hit::MISS;
+        }
+        sheared.hit(inside, weights, ray, setup)
     }
 }
 

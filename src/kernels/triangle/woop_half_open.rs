@@ -135,6 +135,9 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
         if signs.doubtful() {
             (inside, weights) = moved_inside(sheared, weights);
         }
+        if !inside {
+            return Hit::MISS;
+        }
         sheared.hit(inside, weights, ray, setup)
     }
 }
