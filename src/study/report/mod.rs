@@ -1,7 +1,10 @@
 //! `report.md`: the record in words and tables. Every figure in it comes from the record.
 
 mod failures;
+mod html;
 mod tracer;
+
+pub(super) use html::report_html;
 
 use crate::study::chart::{PEERS, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES};
 use crate::study::figures::{
