@@ -45,7 +45,7 @@ addEventListener("load", () => {
       const right = others.every((group) => (getComputedStyle(group).opacity < 1) !== meant.includes(group.dataset.of));
       expect(others.length && right, "others are not dimmed, or the same are");
     }
-    const map = says(/^triangle\/\w+, 1 ray or 8; cells by the error of t: \d+ /);
+    const map = says(/^triangle\/\w+, 1 ray or 8, cells by the error of t: .+: \d+/);
     const cells = [0.01, 0.99].map((share) => pointAt(map, share));
     expect(/\n→ .+: \S+\n↑ .+: \S+\n.+/.test(cells[0]) && cells[0] !== cells[1], `cells: ${cells}`);
 

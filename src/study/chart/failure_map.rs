@@ -231,7 +231,7 @@ fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) 
     let classes: Vec<_> = map.hits.iter().zip(&cells.t_ulp_p99).map(|(&hits, &cell)| class(hits, cell)).collect();
     let counts = (0..KINDS).map(|class| (classes.iter().filter(|&&of| of == class).count(), meaning(class)));
     let counts: Vec<_> =
-        counts.filter(|&(cells, _)| cells > 0).map(|(cells, meaning)| format!("{cells} {meaning}")).collect();
+        counts.filter(|&(cells, _)| cells > 0).map(|(cells, meaning)| format!("{meaning}: {cells}")).collect();
     let figures = classes.iter().zip(&cells.t_ulp_p99).map(|(&class, cell)| match cell.filter(|_| class < KINDS - 1) {
         Some(ulp) => ulp.to_string(),
         None => meaning(class).replace(' ', "\u{a0}"),
@@ -240,7 +240,7 @@ fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) 
     Hover {
         shape: Shape::Rectangle { corner, size: layout.size() },
         of: vec![&cells.id],
-        title: format!("{}, 1 ray or 8; cells by the error of t: {}", cells.id, counts.join(", ")),
+        title: format!("{}, 1 ray or 8, cells by the error of t: {}", cells.id, counts.join("; ")),
         data: vec![
             ("axes", format!("{}|{}", map.x_axis, map.y_axis)),
             ("x", severities(&map.x)),
@@ -308,6 +308,21 @@ mod tests {
         }
         let expected: Vec<_> = hits.iter().zip(cells).map(|(&hits, &cell)| Some(class(hits, cell))).collect();
         assert_eq!(covered, expected);
+    }
+
+    #[test]
+    fn pointing_at_a_map_tells_all_of_its_cells() {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.map_cells[0].t_ulp_p99[..3].copy_from_slice(&[Some(7), Some(8), None]);
+        let (map, cells) = (&record.maps[0], &record.map_cells[0]);
+        let hover = hover(&Layout::new(map, 1, 200), (0, 0), map, cells);
+        let [(_, axes), (_, x), (_, y), (_, figures)] = &hover.data[..] else { panic!("four attributes") };
+        assert_eq!(axes.split('|').collect::<Vec<_>>(), [&map.x_axis, &map.y_axis]);
+        assert_eq!([x, y, figures].map(|list| list.split(' ').count()), [map.x.len(), map.y.len(), map.hits.len()]);
+        assert!(figures.starts_with("7 8 >\u{a0}1\u{a0}%\u{a0}missed "), "{figures}");
+        assert!(hover.title.starts_with("triangle/cramer, 1 ray or 8, cells by the error of t: 0 to 1 ulp: "));
+        // Those in which hardly any ray hits, whatever they say.
+        assert!(hover.title.ends_with("; hardly any hit: 3"), "{}", hover.title);
     }
 
     #[test]
