@@ -60,7 +60,7 @@ impl Measure {
     }
 
     /// One or two words.
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Wrong => "wrong",
             Self::Lost => "lost",

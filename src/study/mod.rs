@@ -267,17 +267,19 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| Error::Io { action: "create", file: folder.into(), source })
 }
 
-/// Writes `results.json`, `report.md` and the charts that it shows into a folder, which is made if it is not there.
-/// Nothing is removed.
+/// Writes `results.json`, `report.md` and the charts that it shows, and the same as one page, `report.html`, into a folder,
+/// which is made if it is not there. Nothing is removed.
 ///
 /// # Errors
 /// If something cannot be written.
 pub fn write(record: &Record, folder: &Path) -> Result<(), Error> {
     make_folder(folder)?;
     let mut files = vec![("results.json".to_owned(), json::one_row_per_line(record).expect("a record is plain data"))];
-    files.extend(chart::charts(record).into_iter().map(|chart| (chart.file, chart.svg.into_bytes())));
-    // Last, so that what it shows is there.
-    files.push(("report.md".to_owned(), report::report_markdown(record).into_bytes()));
+    let (report, charts) = (report::report_markdown(record), chart::charts(record));
+    let page = report::report_html(&report, &charts);
+    files.extend(charts.into_iter().map(|chart| (chart.file, chart.svg.into_bytes())));
+    // Last, so that what they show is there.
+    files.extend([("report.md".to_owned(), report.into_bytes()), ("report.html".to_owned(), page.into_bytes())]);
     for (name, content) in files {
         write_atomically(&folder.join(name), |file| file.write_all(&content))?;
     }

@@ -3,7 +3,7 @@
 use super::axis::LogAxis;
 use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
 use super::{MARGIN, canvas, header, header_height, heading, machine};
-use crate::study::figures::severity;
+use crate::study::figures::{number, severity};
 use crate::study::record::{CoherenceRow, Record};
 use crate::study::tracing::{Coherence, modes};
 
@@ -41,8 +41,8 @@ pub(super) fn svg(record: &Record) -> String {
 
 /// Speed, and of what was counted that of which there is anything.
 fn panels(coherence: &Coherence) -> Vec<Panel<'static>> {
-    let panel = |(title, figure): (&str, Figure)| {
-        let series = modes().map(|mode| Series { name: mode, marks: marks(coherence, mode, figure) });
+    let panel = |(title, unit, figure): (&str, &str, Figure)| {
+        let series = modes().map(|mode| Series { id: mode, name: mode, marks: marks(coherence, mode, figure, unit) });
         Panel {
             title: title.into(),
             possible: 0.0..=f64::INFINITY,
@@ -51,21 +51,22 @@ fn panels(coherence: &Coherence) -> Vec<Panel<'static>> {
             series: series.into(),
         }
     };
-    let figures: [(&str, Figure); 4] = [
-        ("million rays per second", |row| Some(row.mrays_per_second)),
-        ("lane utilisation: share of the lanes of triangle tests in use (%)", |row| {
+    let figures: [(&str, &str, Figure); 4] = [
+        ("million rays per second", "M rays/s", |row| Some(row.mrays_per_second)),
+        ("lane utilisation: share of the lanes of triangle tests in use (%)", "% of the lanes in use", |row| {
             row.lane_utilisation().map(|share| 100.0 * share)
         }),
-        ("nodes visited per ray", CoherenceRow::nodes_per_ray),
-        ("eight-wide triangle tests per ray", CoherenceRow::tests_per_ray),
+        ("nodes visited per ray", "nodes per ray", CoherenceRow::nodes_per_ray),
+        ("eight-wide triangle tests per ray", "eight-wide triangle tests per ray", CoherenceRow::tests_per_ray),
     ];
     figures.into_iter().map(panel).filter(|panel| panel.series.iter().any(|series| !series.marks.is_empty())).collect()
 }
 
-fn marks(coherence: &Coherence, mode: &str, figure: Figure) -> Vec<Mark> {
+fn marks(coherence: &Coherence, mode: &str, figure: Figure, unit: &str) -> Vec<Mark> {
     let mark = |(step, &x): (usize, &f64)| {
         let value = figure(coherence.row(x, mode)?).filter(|&value| value > 0.0 && value.is_finite())?;
-        Some(Mark { step, x, value, bound: false, size: MARK })
+        let says = format!("jitter {}: {} {unit}", severity(x), number(value, 3));
+        Some(Mark { step, x, spread: None, value, bound: false, size: MARK, says })
     };
     coherence.jitters.iter().enumerate().filter_map(mark).collect()
 }
@@ -83,7 +84,10 @@ mod tests {
             panels.into_iter().map(|panel| panel.title).collect::<Vec<_>>()
         };
         let all = titles(&record);
-        assert!(all.len() == 8 && all.iter().all(|title| svg(&record).matches(title.as_str()).count() == 2), "{all:?}");
+        assert!(
+            all.len() == 8 && all.iter().all(|title| svg(&record).matches(&format!(">{title}<")).count() == 2),
+            "{all:?}"
+        );
         for row in record.coherence.iter_mut().filter(|row| row.scene == "room") {
             (row.nodes, row.leaves, row.tests, row.lanes) = (0, 0, 0, 0);
         }

@@ -5,6 +5,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::LogAxis;
+use super::hover::{Hover, Shape};
 use super::{
     ADVANCE, Area, Drawn, FAINT, INK, LINE, MARGIN, Pixel, TEXT, WIDTH, canvas, centered, header, header_height,
     heading, label, machine, name,
@@ -95,11 +96,13 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
 }
 
 fn legend(root: &Area, top: i32) -> Drawn {
-    const BOX: i32 = 92;
+    const BOX: i32 = 100;
     for class in 0..KINDS {
         // The misses stand apart from the scale.
         let x = MARGIN + class as i32 * BOX + if class > CLASSES.len() { 24 } else { 0 };
-        run(root, [(x, top + 4), (x + BOX, top + 22)], class)?;
+        let corners = [(x, top + 4), (x + BOX, top + 22)];
+        fill(root, corners, class)?;
+        stripe(root, corners, class)?;
         root.draw_text(&meaning(class), &label(TEXT, INK), (x, top + 34))?;
     }
     Ok(())
@@ -162,7 +165,14 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
         root.draw_text(&kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
         axes_of(root, map, layout, corner, column == 0)?;
         let cells = record.map_cells.iter().find(|cells| cells.id == kernel.kernel.id && cells.map == map.name);
-        image(root, layout, corner, map, cells.filter(|cells| fits(cells, map)))?;
+        let Some(cells) = cells.filter(|cells| fits(cells, map)) else {
+            let (width, height) = layout.size();
+            let center = (corner.0 + width / 2, corner.1 + height / 2);
+            root.draw_text("not measured", &centered(label(TEXT, FAINT)), center)?;
+            continue;
+        };
+        image(root, layout, corner, map, cells)?;
+        root.draw(&hover(layout, corner, map, cells))?;
     }
     Ok(())
 }
@@ -202,17 +212,42 @@ fn power(tick: f64) -> String {
     if (-2.0..=2.0).contains(&exponent) { severity(tick) } else { format!("1e{exponent}") }
 }
 
-fn image(root: &Area, layout: &Layout, (left, top): Pixel, map: &MapRow, cells: Option<&MapCells>) -> Drawn {
-    let (width, height) = layout.size();
-    let Some(cells) = cells else {
-        return root.draw_text("not measured", &centered(label(TEXT, FAINT)), (left + width / 2, top + height / 2));
+fn image(root: &Area, layout: &Layout, (left, top): Pixel, map: &MapRow, cells: &MapCells) -> Drawn {
+    let bottom = top + layout.size().1;
+    let mut runs = runs(&map.hits, &cells.t_ulp_p99, layout.cells.0 as usize);
+    // What is of one class is written together.
+    runs.sort_by_key(|run| run.class);
+    let corners = |run: &Run| {
+        let bottom = bottom - run.row as i32 * layout.cell;
+        let [from, to] = [run.columns.start, run.columns.end].map(|column| left + column as i32 * layout.cell);
+        [(from, bottom - layout.cell), (to, bottom)]
     };
-    for Run { row, columns, class } in runs(&map.hits, &cells.t_ulp_p99, layout.cells.0 as usize) {
-        let bottom = top + height - row as i32 * layout.cell;
-        let [from, to] = [columns.start, columns.end].map(|column| left + column as i32 * layout.cell);
-        run(root, [(from, bottom - layout.cell), (to, bottom)], class)?;
+    runs.iter().try_for_each(|run| fill(root, corners(run), run.class))?;
+    runs.iter().try_for_each(|run| stripe(root, corners(run), run.class))
+}
+
+/// How many cells are of each class, and the figure of each.
+fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) -> Hover<'a> {
+    let classes: Vec<_> = map.hits.iter().zip(&cells.t_ulp_p99).map(|(&hits, &cell)| class(hits, cell)).collect();
+    let counts = (0..KINDS).map(|class| (classes.iter().filter(|&&of| of == class).count(), meaning(class)));
+    let counts: Vec<_> =
+        counts.filter(|&(cells, _)| cells > 0).map(|(cells, meaning)| format!("{meaning}: {cells}")).collect();
+    let figures = classes.iter().zip(&cells.t_ulp_p99).map(|(&class, cell)| match cell.filter(|_| class < KINDS - 1) {
+        Some(ulp) => ulp.to_string(),
+        None => meaning(class).replace(' ', "\u{a0}"),
+    });
+    let severities = |steps: &[f64]| steps.iter().map(|&step| severity(step)).collect::<Vec<_>>().join(" ");
+    Hover {
+        shape: Shape::Rectangle { corner, size: layout.size() },
+        of: vec![&cells.id],
+        title: format!("{}, 1 ray or 8, cells by the error of t: {}", cells.id, counts.join("; ")),
+        data: vec![
+            ("axes", format!("{}|{}", map.x_axis, map.y_axis)),
+            ("x", severities(&map.x)),
+            ("y", severities(&map.y)),
+            ("cells", figures.collect::<Vec<_>>().join(" ")),
+        ],
     }
-    Ok(())
 }
 
 /// Cells of one class side by side.
@@ -240,8 +275,12 @@ fn runs(hits: &[u64], cells: &[Option<u64>], width: usize) -> Vec<Run> {
 }
 
 /// A rectangle in the colour of a class.
-fn run(root: &Area, [from, to]: [Pixel; 2], class: usize) -> Drawn {
-    root.draw(&Rectangle::new([from, to], color(class).filled()))?;
+fn fill(root: &Area, corners: [Pixel; 2], class: usize) -> Drawn {
+    root.draw(&Rectangle::new(corners, color(class).filled()))
+}
+
+/// What a class has besides a colour.
+fn stripe(root: &Area, [from, to]: [Pixel; 2], class: usize) -> Drawn {
     if class == CLASSES.len() + 1 {
         let y = (from.1 + to.1) / 2;
         root.draw(&PathElement::new([(from.0, y), (to.0, y)], WHITE.mix(0.7)))?;
@@ -269,6 +308,21 @@ mod tests {
         }
         let expected: Vec<_> = hits.iter().zip(cells).map(|(&hits, &cell)| Some(class(hits, cell))).collect();
         assert_eq!(covered, expected);
+    }
+
+    #[test]
+    fn pointing_at_a_map_tells_all_of_its_cells() {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.map_cells[0].t_ulp_p99[..3].copy_from_slice(&[Some(7), Some(8), None]);
+        let (map, cells) = (&record.maps[0], &record.map_cells[0]);
+        let hover = hover(&Layout::new(map, 1, 200), (0, 0), map, cells);
+        let [(_, axes), (_, x), (_, y), (_, figures)] = &hover.data[..] else { panic!("four attributes") };
+        assert_eq!(axes.split('|').collect::<Vec<_>>(), [&map.x_axis, &map.y_axis]);
+        assert_eq!([x, y, figures].map(|list| list.split(' ').count()), [map.x.len(), map.y.len(), map.hits.len()]);
+        assert!(figures.starts_with("7 8 >\u{a0}1\u{a0}%\u{a0}missed "), "{figures}");
+        assert!(hover.title.starts_with("triangle/cramer, 1 ray or 8, cells by the error of t: 0 to 1 ulp: "));
+        // Those in which hardly any ray hits, whatever they say.
+        assert!(hover.title.ends_with("; hardly any hit: 3"), "{}", hover.title);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use plotters::prelude::*;
 
+use super::svg::{Dashed, Of};
 use super::{Area, Drawn, INK, Pixel};
 
 /// How the lines and marks of a kernel look.
@@ -101,41 +102,17 @@ impl Look {
     }
 }
 
-/// A straight line of the kernels with these looks: in the pattern of one, in stripes of several.
-pub(super) fn line(root: &Area, ends: [Pixel; 2], looks: &[Look]) -> Drawn {
-    match looks {
-        [look] if look.dash.is_empty() => root.draw(&PathElement::new(ends, look.color.stroke_width(2))),
-        [look] => {
-            let inked = look.dash.iter().enumerate().map(|(i, &length)| (length, (i % 2 == 0).then_some(look.color)));
-            dashed(root, ends, &inked.collect::<Vec<_>>(), 0.0)
-        }
-        // Stripes go on from one step to the next.
-        _ => {
-            let stripes: Vec<_> = looks.iter().map(|look| (STRIPE, Some(look.color))).collect();
-            dashed(root, ends, &stripes, f64::from(ends[0].0))
-        }
-    }
-}
-
-/// Draws a line in pieces of these lengths and colours, over and over, beginning at `phase`.
-fn dashed(root: &Area, ends: [Pixel; 2], pieces: &[(f64, Option<RGBColor>)], phase: f64) -> Drawn {
-    let [(x0, y0), (x1, y1)] = ends.map(|(x, y)| (f64::from(x), f64::from(y)));
-    let length = (x1 - x0).hypot(y1 - y0);
-    let at = |along: f64| {
-        let share = (along / length).clamp(0.0, 1.0);
-        ((x0 + share * (x1 - x0)).round() as i32, (y0 + share * (y1 - y0)).round() as i32)
-    };
-    let period: f64 = pieces.iter().map(|(length, _)| length).sum();
-    let mut from = -(phase % period);
-    for (piece, color) in pieces.iter().cycle() {
-        if from >= length {
-            return Ok(());
-        }
-        let to = from + piece;
-        if let Some(color) = color.filter(|_| to > 0.0) {
-            root.draw(&PathElement::new([at(from), at(to)], color.stroke_width(2)))?;
-        }
-        from = to;
+/// A line of these series, by their ID, if they have one, and look: in the pattern of one, in stripes of several.
+pub(super) fn line(root: &Area, points: &[Pixel], series: &[(Option<&str>, Look)]) -> Drawn {
+    let period = series.len() as f64 * STRIPE;
+    let stripe = [STRIPE, period - STRIPE];
+    for (i, (id, look)) in (0..).zip(series) {
+        root.draw(&Of(*id))?;
+        let (pattern, phase) = match series {
+            [_] => (look.dash, 0.0),
+            _ => (&stripe[..], (f64::from(-i) * STRIPE).rem_euclid(period)),
+        };
+        root.draw(&Dashed { points, style: look.color.stroke_width(2), pattern, phase })?;
     }
     Ok(())
 }
@@ -155,15 +132,16 @@ mod tests {
     }
 
     #[test]
-    fn stripes_show_every_kernel_and_go_on_at_the_next_step() {
-        let looks: Vec<Look> = (0..3).map(Look::of).collect();
-        let svg = |ends: &[[Pixel; 2]]| {
-            super::super::canvas((300, 20), |root| ends.iter().try_for_each(|&ends| line(root, ends, &looks)))
-        };
-        let whole = svg(&[[(27, 9), (108, 9)]]);
-        for color in ["#0072B2", "#D55E00", "#009E73"] {
-            assert_eq!(whole.matches(color).count(), 3, "{color}");
+    fn stripes_follow_one_another() {
+        let looks = [0, 1, 2].map(|i| (None, Look::of(i)));
+        let svg = super::super::canvas((300, 20), |root| line(root, &[(27, 9), (63, 9), (108, 9)], &looks));
+        for (color, skipped) in
+            [("0072B2", ""), ("D55E00", " stroke-dashoffset=\"18\""), ("009E73", " stroke-dashoffset=\"9\"")]
+        {
+            let path = format!(
+                "<path stroke=\"#{color}\" stroke-width=\"2\" stroke-dasharray=\"9 18\"{skipped} d=\"M27 9l36 0 45 0\"/>"
+            );
+            assert_eq!(svg.matches(&path).count(), 1, "{svg}");
         }
-        assert_eq!(svg(&[[(27, 9), (63, 9)], [(63, 9), (108, 9)]]), whole);
     }
 }

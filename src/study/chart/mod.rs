@@ -8,12 +8,13 @@
 //! - `scaling`: the cost of a ray in ever larger scenes;
 //! - `peers`: rays per second of this crate's tracer and others.
 //!
-//! plotters maps values to pixels, draws the axes and writes the SVG. What must not overlap is placed here, in pixels,
+//! plotters maps values to pixels and draws the axes. What must not overlap is placed here, in pixels,
 //! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
 
 mod axis;
 mod coherence;
 mod failure_map;
+mod hover;
 mod look;
 mod packets;
 mod panel;
@@ -21,18 +22,22 @@ mod peers;
 mod scaling;
 mod speed_accuracy;
 mod stability;
+mod svg;
 
-use std::io;
+use std::convert::Infallible;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+pub(super) use self::svg::escaped;
+use self::svg::{FONT_SCALE, Svg};
 use super::figures::{Group, groups, groups_of_methods};
 use super::record::{MapRow, Record, RegimeRow};
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
+type Area<'a> = DrawingArea<Svg<'a>, Shift>;
+type Drawing<T> = Result<T, DrawingAreaErrorKind<Infallible>>;
+type Drawn = Drawing<()>;
 type Pixel = (i32, i32);
 
 const INK: RGBColor = RGBColor(40, 40, 40);
@@ -40,13 +45,13 @@ const FAINT: RGBColor = RGBColor(120, 120, 120);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 
 /// Charts are at least this wide; long names widen them.
-const WIDTH: i32 = 1000;
-const LEFT: i32 = 64;
+const WIDTH: i32 = 1060;
+const LEFT: i32 = 66;
 const MARGIN: i32 = 16;
-const TEXT: f64 = 12.0;
+const TEXT: f64 = 13.0;
 const TITLE: f64 = 18.0;
 /// From one line of text to the next.
-const LINE: i32 = 16;
+const LINE: i32 = 17;
 /// Advance of a character of [`TEXT`] size in the widest of the common monospaced faces.
 const ADVANCE: f64 = 0.605 * TEXT;
 /// The same of a proportional face, on average over a line, generously; bold is wider.
@@ -62,9 +67,9 @@ pub(super) struct Chart {
 pub(super) fn charts(record: &Record) -> Vec<Chart> {
     let groups = groups(record);
     let (bases, instances): (Vec<_>, Vec<_>) = groups.iter().partition(|group| group.is_base());
-    let mut charts = vec![Chart { file: SPEED_ACCURACY.into(), svg: speed_accuracy::svg(record, &bases) }];
+    let mut charts = vec![Chart { file: SPEED_ACCURACY.into(), svg: speed_accuracy::overview(record, &bases) }];
     if !instances.is_empty() {
-        charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::svg(record, &instances) });
+        charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::stacked(record, &instances) });
     }
     if groups.iter().any(|group| group.kernels.iter().any(|kernel| kernel.gain().is_some())) {
         charts.push(Chart { file: PACKETS.into(), svg: packets::svg(record, &bases) });
@@ -122,7 +127,7 @@ pub(super) fn maps_of<'a>(record: &'a Record, group: &Group) -> Vec<&'a MapRow> 
 /// An SVG of that size.
 fn canvas((width, height): Pixel, draw: impl FnOnce(&Area) -> Drawn) -> String {
     let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32)).into_drawing_area();
+    let root = Svg::new(&mut svg, (width as u32, height as u32)).into_drawing_area();
     // Pages are white or dark; a chart brings its own background.
     let drawn = root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present());
     drawn.expect("a string takes whatever is written to it");
@@ -131,7 +136,7 @@ fn canvas((width, height): Pixel, draw: impl FnOnce(&Area) -> Drawn) -> String {
 }
 
 /// A chart's message in bold, and lines below it; returns where the next line would be.
-fn header(root: &Area, width: i32, title: &str, remarks: &[String]) -> Result<i32, DrawingAreaErrorKind<io::Error>> {
+fn header(root: &Area, width: i32, title: &str, remarks: &[String]) -> Drawing<i32> {
     let mut y = 10;
     for line in wrapped(title, width - 2 * MARGIN, 1.1 * TITLE) {
         root.draw_text(&line, &heading(TITLE), (MARGIN, y + 14))?;
@@ -168,9 +173,6 @@ fn machine(record: &Record) -> String {
     let quick = if record.quick { ", quick run: fewer rays and samples" } else { "" };
     format!("{}, {}{quick}", record.machine.cpu, record.machine.rustc)
 }
-
-/// plotters-svg writes font sizes divided by this.
-const FONT_SCALE: f64 = 1.24;
 
 /// Text that begins at a point, vertically centred on it.
 fn label(size: f64, color: RGBColor) -> TextStyle<'static> {
@@ -236,7 +238,7 @@ mod tests {
             let kernels: Vec<_> = shown.iter().flat_map(|group| &group.kernels).collect();
             assert!(kernels.len() >= 3, "{}", chart.file);
             for kernel in kernels {
-                assert!(chart.svg.contains(&format!(">\n{}\n<", kernel.name)), "{}: {}", chart.file, kernel.name);
+                assert!(chart.svg.contains(&format!(">{}<", kernel.name)), "{}: {}", chart.file, kernel.name);
             }
         }
     }

@@ -3,12 +3,13 @@
 
 use plotters::prelude::*;
 
+use super::hover::{Hover, Shape};
 use super::look::Look;
 use super::{
     ADVANCE, Area, Drawn, FAINT, GRID, INK, LINE, MARGIN, TEXT, WIDTH, canvas, centered, header, header_height,
 };
 use super::{heading, label, machine, name};
-use crate::study::figures::{Figures, Group, percent, times};
+use crate::study::figures::{Figures, Group, number, optional, percent, times};
 use crate::study::record::Record;
 
 const TITLE: &str = "Packets of eight: gain over scalar code, and share of the machine's limit";
@@ -105,8 +106,29 @@ impl Column {
         // Beyond the end there is only the figure.
         let end = left + self.place(value.unwrap_or(0.0).clamp(0.0, self.end), plot);
         root.draw(&Rectangle::new([(left, y - BAR), (end, y + BAR)], color.filled()))?;
+        root.draw(&Hover {
+            shape: Shape::Rectangle { corner: (left, y - LINE / 2), size: (plot, LINE) },
+            of: vec![&kernel.kernel.id],
+            title: title(kernel),
+            data: Vec::new(),
+        })?;
         root.draw_text(&(self.text)(value), &label(TEXT - 1.0, FAINT), (end + 4, y))
     }
+}
+
+/// What a kernel's bars are about, in words.
+fn title(kernel: &Figures) -> String {
+    let ns = |face| format!("{face}: {} ns per test", optional(kernel.ns(face), 3));
+    let limit = kernel.packet().and_then(|row| Some((row.limit_by.clone()?, number(row.limit_ns?, 3))));
+    format!(
+        "{}, {}, {}, gain {}, {} of the limit{}",
+        kernel.kernel.id,
+        ns("1x1"),
+        ns("8x1"),
+        times(kernel.gain()),
+        percent(kernel.limit_share()),
+        limit.map_or(String::new(), |(class, ns)| format!(": {ns} ns, by class {class}"))
+    )
 }
 
 #[cfg(test)]
@@ -121,7 +143,7 @@ mod tests {
         let groups = groups(&record);
         let svg = svg(&record, &groups.iter().filter(|group| group.is_base()).collect::<Vec<_>>());
         for kernel in groups.iter().filter(|group| group.is_base()).flat_map(|group| &group.kernels) {
-            for figure in [kernel.name.clone(), times(kernel.gain()), percent(kernel.limit_share())] {
+            for figure in [kernel.name.clone(), times(kernel.gain()), percent(kernel.limit_share()), title(kernel)] {
                 assert!(svg.contains(&figure), "{}: {figure}", kernel.name);
             }
         }

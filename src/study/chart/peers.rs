@@ -3,6 +3,7 @@
 use super::axis::LogAxis;
 use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
 use super::{MARGIN, canvas, header, header_height, machine};
+use crate::study::figures::number;
 use crate::study::peers::fastest;
 use crate::study::ray_sets::NAMES;
 use crate::study::record::{PeerRow, Record};
@@ -41,13 +42,20 @@ fn panel(rows: &[PeerRow]) -> Panel<'_> {
     for row in rows.chunk_by(|a, b| a.rays == b.rays).flat_map(fastest) {
         let of_tracer = match series.iter().position(|series| series.name == row.tracer) {
             Some(number) => &mut series[number],
-            None => series.push_mut(Series { name: &row.tracer, marks: Vec::new() }),
+            None => series.push_mut(Series { id: &row.tracer, name: &row.tracer, marks: Vec::new() }),
         };
         if row.mrays_per_second > 0.0 && row.mrays_per_second.is_finite() {
             // Steps that do not follow one another are not joined.
             let step = 2 * of_tracer.marks.len();
             let (x, value) = (place(&row.rays), row.mrays_per_second);
-            of_tracer.marks.push(Mark { step, x, value, bound: false, size: 6 });
+            let says = format!(
+                "{}, {} rays: {} ± {} M rays/s",
+                row.configuration,
+                row.rays,
+                number(value, 3),
+                number(row.mrays_per_second_mad, 1)
+            );
+            of_tracer.marks.push(Mark { step, x, spread: None, value, bound: false, size: 6, says });
         }
     }
     Panel {
@@ -83,7 +91,7 @@ mod tests {
         record.peers = rows;
         let svg = svg(&record);
         for (text, times) in [(OURS, 2), (EMBREE, 2), ("bounce", 1), ("ambient occlusion", 1)] {
-            assert_eq!(svg.matches(&format!(">\n{text}\n<")).count(), times, "{text}");
+            assert_eq!(svg.matches(&format!(">{text}<")).count(), times, "{text}");
         }
         let panel = panel(&record.peers[..16]);
         let marks: Vec<_> = panel.series.iter().map(|series| series.marks.iter().map(|mark| mark.value)).collect();

@@ -3,7 +3,7 @@
 use super::axis::LogAxis;
 use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
 use super::{MARGIN, canvas, header, header_height, machine};
-use crate::study::figures::si;
+use crate::study::figures::{count, number, si};
 use crate::study::record::{Record, ScalingRow};
 use crate::study::tracing::Growth;
 
@@ -39,26 +39,34 @@ fn panels<'a>(all: &[Growth<'a>]) -> [Panel<'a>; 3] {
         series,
     };
     // The scene's own figures are the same in all of its rows.
-    let of_scene = |name, figure: fn(&ScalingRow) -> f64| {
+    let of_scene = |name, unit, figure: fn(&ScalingRow) -> f64| {
         let rows = all.first().map(|growth| growth.rows.as_slice()).unwrap_or_default();
-        vec![Series { name, marks: marks(rows, figure) }]
+        vec![Series { id: name, name, marks: marks(rows, unit, figure) }]
     };
     [
         panel(
             "nanoseconds per ray",
             all.iter()
-                .map(|growth| Series { name: growth.rays, marks: marks(&growth.rows, |row| row.ns_per_ray) })
+                .map(|growth| Series {
+                    id: growth.rays,
+                    name: growth.rays,
+                    marks: marks(&growth.rows, "ns per ray", |row| row.ns_per_ray),
+                })
                 .collect(),
         ),
-        panel("nanoseconds of building per triangle", of_scene("build", |row| row.build_seconds * 1e9 / size(row))),
-        panel("bytes per triangle", of_scene("memory", |row| row.bytes_per_triangle)),
+        panel(
+            "nanoseconds of building per triangle",
+            of_scene("build", "ns per triangle", |row| row.build_seconds * 1e9 / size(row)),
+        ),
+        panel("bytes per triangle", of_scene("memory", "bytes per triangle", |row| row.bytes_per_triangle)),
     ]
 }
 
-fn marks(rows: &[&ScalingRow], figure: fn(&ScalingRow) -> f64) -> Vec<Mark> {
+fn marks(rows: &[&ScalingRow], unit: &str, figure: fn(&ScalingRow) -> f64) -> Vec<Mark> {
     let mark = |(step, row): (usize, &&ScalingRow)| {
         let value = Some(figure(row)).filter(|&value| value > 0.0 && value.is_finite())?;
-        Some(Mark { step, x: size(row), value, bound: false, size: MARK })
+        let says = format!("{} triangles: {} {unit}", count(row.triangles as u64), number(value, 3));
+        Some(Mark { step, x: size(row), spread: None, value, bound: false, size: MARK, says })
     };
     rows.iter().enumerate().filter_map(mark).collect()
 }
@@ -78,7 +86,7 @@ mod tests {
         }
         assert!(build.series[0].marks.iter().all(|mark| (mark.value - 300.0).abs() < 1e-6));
         for tick in ["10 k", "100 k", "1 M"] {
-            assert_eq!(svg(&record).matches(&format!(">\n{tick}\n<")).count(), 1, "{tick}");
+            assert_eq!(svg(&record).matches(&format!(">{tick}<")).count(), 1, "{tick}");
         }
     }
 }

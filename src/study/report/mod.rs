@@ -1,9 +1,13 @@
 //! `report.md`: the record in words and tables. Every figure in it comes from the record.
 
 mod failures;
+mod html;
 mod packets;
 mod tracer;
 mod verdict;
+
+pub(super) use html::report_html;
+pub(super) use verdict::verdict;
 
 use crate::study::chart::{PEERS, SPEED_ACCURACY};
 use crate::study::figures::{
@@ -12,8 +16,6 @@ use crate::study::figures::{
 };
 use crate::study::peers::tables;
 use crate::study::record::{AccuracyRow, OperationCounts, Record, SpeedRow};
-
-pub(super) use verdict::verdict;
 
 /// The report, in Markdown; it shows the charts, which belong beside it.
 pub(super) fn report_markdown(record: &Record) -> String {

@@ -1,0 +1,64 @@
+// Runs within the page, in a frame, and tells the page around it what is wrong.
+"use strict";
+addEventListener("load", () => {
+  const wrong = [];
+  const expect = (right, what) => { if (!right) wrong.push(what); };
+  const root = document.documentElement;
+  try {
+    const drawings = [...document.querySelectorAll("svg")];
+    expect(drawings.length > 20, `${drawings.length} drawings`);
+    const empty = drawings.filter((svg) => {
+      const { width, height } = svg.getBoundingClientRect();
+      return width < 100 || height < 100;
+    });
+    expect(!empty.length, `${empty.length} drawings without a size`);
+    const beyond = [...document.querySelectorAll("body *")].filter((element) => element.getBoundingClientRect().right > innerWidth);
+    const widest = beyond.find((element) => !element.closest(".table, .chart"))?.outerHTML.slice(0, 100);
+    expect(root.scrollWidth <= innerWidth, `wider than the window: ${root.scrollWidth} of ${innerWidth}, ${widest}`);
+    expect(drawings[0].getAttribute("aria-label").length > 10, "no label");
+    expect(document.querySelector("nav details").open === innerWidth >= 1024, "contents are not folded as the width asks");
+
+    const pointAt = (mark, share) => {
+      mark.scrollIntoView({ block: "center" });
+      const box = mark.getBoundingClientRect();
+      const [clientX, clientY] = [box.left + share * box.width, box.top + share * box.height];
+      mark.dispatchEvent(new PointerEvent("pointerover", { bubbles: true, clientX, clientY }));
+      const tip = document.getElementById("tip");
+      const { left, right, top, bottom } = tip.getBoundingClientRect();
+      const within = left >= 0 && right <= innerWidth && top >= 0 && bottom <= innerHeight && bottom > top;
+      expect(within, `no tip within the window: ${[left, top, right, bottom]}`);
+      return tip.textContent;
+    };
+    // A mark by its drawing, and what its tip must say.
+    const all = [...document.querySelectorAll(".hover > *")];
+    const says = (what) => all.find((mark) => what.test(mark.dataset.title ?? mark.textContent));
+    for (const what of [
+      /^triangle\/\w+, packet of 8 rays: [\d,]+ ± [\d.]+ M tests\/s, error of t \d+ ulp, leaks /,
+      /^quadric\/\w+, 1 ray: [\d,.]+ ± [\d.]+ M tests\/s/,
+      /^aabb\/\w+.*, 1 ray or 8, at 1e-\d: lost [\d,.]+( \(< [\d.,]+\))? per million, n = \d/,
+      /^packet, jitter 0.1: [\d.]+ M rays\/s$/,
+    ]) {
+      const mark = says(what);
+      expect(mark && what.test(pointAt(mark, 0.5)), `no tip ${what}`);
+      const others = [...(mark?.ownerSVGElement.querySelectorAll("svg > g[data-of]") ?? [])];
+      const meant = mark?.dataset.of.split(" ");
+      const right = others.every((group) => (getComputedStyle(group).opacity < 1) !== meant.includes(group.dataset.of));
+      expect(others.length && right, "others are not dimmed, or the same are");
+    }
+    const map = says(/^triangle\/\w+, 1 ray or 8, cells by the error of t: .+: \d+/);
+    const cells = [0.01, 0.99].map((share) => pointAt(map, share));
+    expect(/\n→ .+: \S+\n↑ .+: \S+\n.+/.test(cells[0]) && cells[0] !== cells[1], `cells: ${cells}`);
+
+    document.body.dispatchEvent(new PointerEvent("pointerover", { bubbles: true }));
+    expect(document.getElementById("tip").hidden && !document.querySelector(".pointed"), "the tip stays");
+    map.ownerSVGElement.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight", bubbles: true }));
+    expect(!document.getElementById("tip").hidden, "no tip for keys");
+  } catch (error) {
+    wrong.push(`error: ${error.message}`);
+  }
+  const loaded = performance.getEntriesByType("resource").map((entry) => entry.name);
+  const errors = window.errors.map((error) => `error: ${error}`);
+  if (loaded.length || errors.some((error) => error.includes("refused"))) wrong.push(`loaded or refused: ${loaded}`);
+  wrong.push(...errors);
+  parent.postMessage(wrong.join("; ") || "ok", "*");
+});
