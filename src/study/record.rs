@@ -1,16 +1,20 @@
 //! What a study writes: `results.json`, field by field. Tables, charts and the report are generated from it alone.
+//!
+//! Other programs read it too. `reports/FIELDS.md` is made of the comments below: after a change,
+//! `RAYLANES_BLESS=1 cargo test --lib fields` rewrites it.
 
 use serde::{Deserialize, Serialize};
 
 use super::peers::Disagreements;
 
-/// Version of the layout below; raised when a field changes its meaning.
+/// Version of the layout below; raised when a field changes its meaning or goes away, not when one is added.
 pub const SCHEMA: u32 = 3;
 
 /// One study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Record {
-    /// [`SCHEMA`].
+    /// Version of this layout: [`SCHEMA`].
     pub schema: u32,
     /// When the study began, in seconds since 1970-01-01 UTC.
     pub started_unix: u64,
@@ -52,8 +56,9 @@ pub struct Record {
 
 /// A comparison with peers: `peers.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PeersRecord {
-    /// [`SCHEMA`].
+    /// Version of this layout: [`SCHEMA`].
     pub schema: u32,
     /// When it began, in seconds since 1970-01-01 UTC.
     pub started_unix: u64,
@@ -77,6 +82,7 @@ pub struct PeersRecord {
 
 /// The machine and the build.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Machine {
     /// Processor model.
     pub cpu: String,
@@ -96,6 +102,7 @@ pub struct Machine {
 
 /// A kernel, as it describes itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct KernelRow {
     /// Its ID.
     pub id: String,
@@ -121,6 +128,7 @@ pub struct KernelRow {
 
 /// A kernel that this build has not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AbsentRow {
     /// Its ID.
     pub id: String,
@@ -130,6 +138,7 @@ pub struct AbsentRow {
 
 /// A workload that gets harder step by step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RegimeRow {
     /// The kernels that it is for: of a family, `triangle`, or instances, `instance of triangle`.
     pub family: String,
@@ -147,6 +156,7 @@ pub struct RegimeRow {
 
 /// Whether a kernel keeps, or would keep, a promise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ClaimRow {
     /// Kernel ID.
     pub id: String,
@@ -162,6 +172,7 @@ pub struct ClaimRow {
 
 /// A failure map: a workload with two severities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapRow {
     /// The kernels that it is for, as in [`RegimeRow::family`].
     pub family: String,
@@ -182,6 +193,7 @@ pub struct MapRow {
 
 /// A kernel's errors over a failure map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapCells {
     /// Kernel ID.
     pub id: String,
@@ -194,6 +206,7 @@ pub struct MapCells {
 
 /// Throughput of one face of a kernel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SpeedRow {
     /// Kernel ID.
     pub id: String,
@@ -215,6 +228,7 @@ pub struct SpeedRow {
 
 /// Errors of one kernel on one workload.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AccuracyRow {
     /// Kernel ID.
     pub id: String,
@@ -267,6 +281,7 @@ pub struct AccuracyRow {
 
 /// Throughput of the tracer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TracerRow {
     /// Scene name.
     pub scene: String,
@@ -274,7 +289,7 @@ pub struct TracerRow {
     pub triangles: usize,
     /// Instances of them.
     pub instances: usize,
-    /// `primary`, `shadow`, `bounce` or `ambient occlusion`: [`ray_sets`](super::ray_sets::ray_sets).
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`, as made by [`ray_sets`](super::ray_sets::ray_sets).
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
@@ -301,10 +316,11 @@ pub struct TracerRow {
 /// Throughput of the tracer on rays of a picture that were turned at random, closest hit, one thread; and what it took, in
 /// a run that was not timed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CoherenceRow {
     /// Scene name.
     pub scene: String,
-    /// How far rays were turned, from 0 to 1: [`JITTERS`](super::coherence::JITTERS).
+    /// How far rays were turned: from 0, those of the picture, to 1, at random.
     pub jitter: f64,
     /// `scalar`, `single`, `packet` or `auto`.
     pub mode: String,
@@ -330,6 +346,7 @@ pub struct CoherenceRow {
 
 /// Cost of a ray in a scene that comes in several sizes, mode auto, one thread.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ScalingRow {
     /// Scene name.
     pub scene: String,
@@ -357,12 +374,13 @@ pub struct ScalingRow {
 
 /// Throughput of one configuration of one tracer, ours or a peer, on a scene of triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PeerRow {
     /// Scene name.
     pub scene: String,
     /// Triangles in it.
     pub triangles: usize,
-    /// `primary`, `shadow`, `bounce` or `ambient occlusion`: [`ray_sets`](super::ray_sets::ray_sets).
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`, as made by [`ray_sets`](super::ray_sets::ray_sets).
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
@@ -395,6 +413,7 @@ pub struct PeerRow {
 /// A ratio to reach or to keep below, and what was measured: of rays per second of our automatic mode over those of a peer, or,
 /// with `most`, of time per ray.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TargetRow {
     /// Scene name.
     pub scene: String,
