@@ -3,19 +3,20 @@
 #![forbid(unsafe_code)]
 
 use std::fmt::Write as _;
-use std::io::{self, IsTerminal, Write as _};
+use std::io::{self, Write as _};
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use anstream::{AutoStream, ColorChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use raylanes::geom::{Hit, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel, Shape};
 use raylanes::registry::{self, Task, Visitor};
-use raylanes::study;
+use raylanes::study::{self, Progress};
 use raylanes::tracer::{
     self, BuiltIn, Camera, Differences, Error, Light, LoadedScene, Mode, Picture, Scene, SceneSource, Shade, Shot,
     View, World,
@@ -57,9 +58,12 @@ struct StudyArguments {
     /// Measure the cost of a ray up to ten million triangles, instead of one: takes minutes and gigabytes more.
     #[arg(long)]
     large: bool,
-    /// Where results go.
+    /// Where results go, in place of older ones.
     #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
     out: PathBuf,
+    /// Write to reports/<date>-NAME instead, with today's date in UTC: a record to keep, which is not there yet.
+    #[arg(long, value_name = "NAME", conflicts_with = "out", value_parser = parse_record_name)]
+    record: Option<String>,
     /// What all random inputs derive from.
     #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
@@ -75,6 +79,7 @@ impl Default for StudyArguments {
             quick: false,
             large: false,
             out: DEFAULT_OUT.into(),
+            record: None,
             seed: DEFAULT_SEED,
             peers: false,
         }
@@ -182,12 +187,16 @@ impl From<ShadeArgument> for Shade {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let outcome = match arguments.command.unwrap_or(Command::Study(StudyArguments::default())) {
-        Command::Study(arguments) => run_study(&arguments),
-        Command::Trace(arguments) => trace(&arguments),
-        Command::Render(arguments) => render(&arguments),
+    let command = arguments.command.unwrap_or(Command::Study(StudyArguments::default()));
+    let progress = if matches!(command, Command::Study(_)) { Progress::bar() } else { Progress::spinner() };
+    exit_when_interrupted(progress.clone());
+    let outcome = match command {
+        Command::Study(arguments) => run_study(&arguments, &progress),
+        Command::Trace(arguments) => trace(&arguments, &progress),
+        Command::Render(arguments) => render(&arguments, &progress),
         Command::List => list(),
     };
+    progress.clear();
     match outcome.and_then(|text| print(&text)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -195,6 +204,25 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// What shells tell of a program that Ctrl-C has ended.
+const INTERRUPTED: i32 = 130;
+
+/// On Ctrl-C, and where the system asks the program to end, lets a file or a set of files be finished that is being written,
+/// tidies the terminal, says what was written, and exits.
+fn exit_when_interrupted(progress: Progress) {
+    let exit = move || {
+        let written = tracer::hold_writes();
+        progress.clear();
+        note(&match written.last() {
+            None => "raylanes: interrupted, nothing was written".into(),
+            Some(last) => format!("raylanes: interrupted after writing to {}", last.display()),
+        });
+        std::process::exit(INTERRUPTED);
+    };
+    // It refuses where a signal is ignored already, by `nohup` for one, and that is right: whoever arranged it meant it.
+    let _ = ctrlc::try_set_handler(exit);
 }
 
 /// To standard output. A reader that closes its end early (`raylanes list | head -1`) is no error.
@@ -213,8 +241,8 @@ fn note(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
-    warn_of_slow_build();
+fn run_study(arguments: &StudyArguments, progress: &Progress) -> Result<String, Error> {
+    progress.suspend(warn_of_slow_build);
     // Cheap errors first: the study takes its time.
     if arguments.peers {
         study::peers::available()?;
@@ -224,13 +252,21 @@ fn run_study(arguments: &StudyArguments) -> Result<String, Error> {
     } else {
         arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
     };
-    study::make_folder(&arguments.out)?;
+    let folder = match &arguments.record {
+        Some(name) => study::new_record(name)?,
+        None => {
+            study::try_write(&arguments.out)?;
+            arguments.out.clone()
+        }
+    };
     let StudyArguments { quick, large, seed, peers, .. } = *arguments;
-    let record = study::run(&study::Options { scenes, quick, large, seed, peers })?;
-    study::write(&record, &arguments.out)?;
-    let color = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let record = study::run(&study::Options { scenes, quick, large, seed, peers }, progress)?;
+    progress.note("writing");
+    let write = if arguments.record.is_some() { study::write_new } else { study::write };
+    write(&record, &folder)?;
+    let color = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut text = study::terminal_table(&record, color);
-    let folder = arguments.out.display();
+    let folder = folder.display();
     writeln!(text, "\nWritten to {folder}: report.md, its charts (begin with speed-accuracy.svg), results.json")
         .expect("strings grow");
     Ok(text)
@@ -257,11 +293,12 @@ impl SceneArguments {
             .with(&self.quadric_kernel, &["quadric"])
     }
 
-    fn load(&self) -> Result<Loaded, Error> {
+    fn load(&self, progress: &Progress) -> Result<Loaded, Error> {
+        progress.note(&format!("{}: loading", self.scene));
         let source = SceneSource::parse(&self.scene)?;
         let LoadedScene { world, mut view, remarks } = source.load()?;
         for remark in remarks {
-            note(&format!("note: {}: {remark}", source.name()));
+            progress.suspend(|| note(&format!("note: {}: {remark}", source.name())));
         }
         if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
             view = View { eye, look_at, vertical_fov: self.fov, transform: None, light: view.light };
@@ -354,17 +391,17 @@ struct TraceResult {
     bytes_per_triangle: f64,
 }
 
-fn trace(arguments: &TraceArguments) -> Result<String, Error> {
-    warn_of_slow_build();
+fn trace(arguments: &TraceArguments, progress: &Progress) -> Result<String, Error> {
+    progress.suspend(warn_of_slow_build);
     let scene = &arguments.scene;
     // Cheap errors first: a large mesh takes its time.
     let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
     let kernels = scene.kernels()?;
-    let loaded = scene.load()?;
+    let loaded = scene.load(progress)?;
     let (width, height) = scene.size;
     let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
     let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
-    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays });
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays, progress });
     if let Some(file) = &arguments.hits {
         if let Some(order) = picture_order {
             let mut rows = vec![Hit::MISS; hits.len()];
@@ -395,20 +432,23 @@ struct Trace<'a> {
     arguments: &'a TraceArguments,
     loaded: Loaded,
     rays: Vec<Ray<f32>>,
+    progress: &'a Progress,
 }
 
 impl Task<Triangle> for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays } = self;
+        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays, progress } = self;
         let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
+        progress.note(&format!("{}: building", arguments.scene.scene));
         let start = Instant::now();
         let scene = pool.install(|| kernels.scene::<K>(world));
         let build_seconds = start.elapsed().as_secs_f64();
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut trace = || pool.install(|| tracer::trace_into(&scene, &rays, any_hit, mode, &mut hits));
+        progress.note(&format!("{}: tracing", arguments.scene.scene));
         trace(); // not counted: it warms up
         let mut rates = Vec::new();
         for _ in 0..arguments.repeat {
@@ -436,19 +476,22 @@ impl Task<Triangle> for Trace<'_> {
     }
 }
 
-fn render(arguments: &RenderArguments) -> Result<String, Error> {
+fn render(arguments: &RenderArguments, progress: &Progress) -> Result<String, Error> {
     let scene = &arguments.scene;
     let kernels = scene.kernels()?;
     // Cheap errors first: a large mesh takes its time.
     let other = arguments.compare.as_deref().map(|id| kernels.with(id, &["triangle", "quadric"])).transpose()?;
-    let Loaded { world, camera, light, pool } = scene.load()?;
+    let Loaded { world, camera, light, pool } = scene.load(progress)?;
     let (width, height) = scene.size;
     let shot = Shot { camera, light, mode: scene.mode, width, height };
+    let name = &scene.scene;
     pool.install(|| {
+        progress.note(&format!("{name}: rendering"));
         let (picture, hits, world) =
             kernels.run(Render { kernels, world, shot: &shot, shade: arguments.shade.into() });
         picture.write(&arguments.out)?;
         let Some(other) = other else { return Ok(String::new()) };
+        progress.note(&format!("{name}: comparing"));
         let other_hits = other.run(Look { kernels: other, world, shot: &shot });
         let (marked, differences) = tracer::compare(&shot, &picture, &hits, &other_hits);
         let file = beside(&arguments.out, "-compare");
@@ -566,6 +609,14 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
         }
         _ => Err(format!("expected WIDTHxHEIGHT with 1 to {MOST_PIXELS} pixels, such as 1024x768")),
     }
+}
+
+fn parse_record_name(text: &str) -> Result<String, String> {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    if text.is_empty() || text.starts_with('.') || !text.chars().all(allowed) {
+        return Err("expected letters, digits, '-', '_' and '.', which does not come first".into());
+    }
+    Ok(text.into())
 }
 
 /// Understands the names of modes.

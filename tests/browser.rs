@@ -55,7 +55,7 @@ fn the_page_is_drawn_fits_and_answers_to_the_pointer() {
     };
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
     let options = Options { scenes, quick: true, large: false, seed: 1, peers: false };
-    let record = study::run(&options).unwrap();
+    let record = study::run(&options, &study::Progress::bar()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     study::write(&record, folder.path()).unwrap();
     let report = std::fs::read_to_string(folder.path().join("report.html")).unwrap();

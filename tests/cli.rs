@@ -19,11 +19,23 @@ impl Folder {
         Self(path)
     }
 
+    /// What is in it, sorted.
+    fn names(&self) -> Vec<String> {
+        names(&self.0)
+    }
+
     fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.0.join(name);
         fs::write(&path, content).unwrap();
         path
     }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(name).collect();
+    names.sort();
+    names
 }
 
 impl Drop for Folder {
@@ -33,7 +45,17 @@ impl Drop for Folder {
 }
 
 fn raylanes(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_raylanes")).args(arguments).output().unwrap()
+    program().args(arguments).output().unwrap()
+}
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_raylanes"))
+}
+
+/// The lines that are no advice about the build.
+fn complaints(stderr: &[u8]) -> Vec<String> {
+    let text = String::from_utf8(stderr.to_vec()).unwrap();
+    text.lines().filter(|line| !line.starts_with("note: built without")).map(String::from).collect()
 }
 
 fn succeeds(arguments: &[&str]) -> String {
@@ -45,7 +67,12 @@ fn succeeds(arguments: &[&str]) -> String {
 
 /// Exit code 2, nothing on standard output, and one line on standard error that contains all of these.
 fn fails(arguments: &[&str], words: &[&str]) {
-    let output = raylanes(arguments);
+    fails_in(Path::new("."), arguments, words);
+}
+
+/// The same in another current folder.
+fn fails_in(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let output = program().args(arguments).current_dir(folder).output().unwrap();
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
     assert!(output.stdout.is_empty(), "{arguments:?}");
@@ -300,4 +327,153 @@ fn a_reader_that_stops_early_is_no_error() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_record_is_new_and_dated() {
+    let folder = Folder::new("record");
+    // Colours in a pipe, where they are asked for.
+    let mut program = program();
+    let output = program.args(["study", "--quick", "--record", "first"]).current_dir(&folder.0);
+    let output = output.env("CLICOLOR_FORCE", "1").env_remove("NO_COLOR").output().unwrap();
+    assert_eq!((output.status.code(), complaints(&output.stderr)), (Some(0), vec![]));
+    let [record] = &names(&folder.0.join("reports"))[..] else { panic!("{:?}", names(&folder.0.join("reports"))) };
+    let date = record.strip_suffix("-first").unwrap();
+    assert!(date.len() == 10 && date.split('-').all(|part| part.parse::<u32>().is_ok()), "{date}");
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("\x1b[31m"), "{printed}");
+    assert!(printed.lines().last().unwrap().starts_with(&format!("Written to reports/{record}: ")), "{printed}");
+    let written = names(&folder.0.join("reports").join(record));
+    for file in ["results.json", "report.md", "speed-accuracy.svg", "scaling.svg"] {
+        assert!(written.iter().any(|name| name == file), "{file}: {written:?}");
+    }
+    assert!(written.iter().all(|name| !name.starts_with('.')), "{written:?}");
+
+    let first = ["study", "--quick", "--record", "first"];
+    fails_in(&folder.0, &first, &[record, "exists", "never edited"]);
+    assert_eq!((names(&folder.0.join("reports")).len(), folder.names()), (1, vec!["reports".to_owned()]));
+}
+
+#[test]
+fn a_study_is_plain_text_where_no_colour_is_wanted() {
+    let folder = Folder::new("plain");
+    let mut program = program();
+    let output = program.args(["study", "room:small", "--quick", "--out", "out"]).current_dir(&folder.0);
+    let output = output.env("NO_COLOR", "1").env("CLICOLOR_FORCE", "1").output().unwrap();
+    assert_eq!((output.status.code(), complaints(&output.stderr)), (Some(0), vec![]));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(!printed.contains('\x1b') && printed.contains("\nWritten to out: report.md"), "{printed}");
+    assert!(names(&folder.0.join("out")).iter().any(|name| name == "results.json"));
+}
+
+#[test]
+fn records_that_could_not_be_written_are_refused_before_anything_is_measured() {
+    let folder = Folder::new("refused");
+    for name in ["", ".hidden", "a/b", "..", "a b", "ä"] {
+        let output = raylanes(&["study", "--quick", "--record", name]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{name}: {error}");
+        assert!(error.contains(&format!("'{name}'")) && error.contains("expected letters"), "{error}");
+    }
+    let both = raylanes(&["study", "--record", "a", "--out", "b"]);
+    assert!(both.status.code() == Some(2) && String::from_utf8(both.stderr).unwrap().contains("--out"));
+    fails_in(&folder.0, &["study", "--record", &"x".repeat(300)], &["xxx", "too long"]);
+    assert!(folder.names().is_empty());
+    folder.file("reports", "a file");
+    fails_in(&folder.0, &["study", "--record", "a"], &["reports", "-a", "Not a directory"]);
+    assert_eq!(folder.names(), ["reports"]);
+}
+
+/// Interrupting for real, by signals.
+#[cfg(target_os = "linux")]
+mod interrupted {
+    use std::io::Read;
+    use std::process::Child;
+    use std::time::{Duration, Instant};
+
+    use super::*;
+
+    const NOTHING: &str = "raylanes: interrupted, nothing was written";
+
+    /// Starts the program, with signals as they are on a terminal, also where the tests run under `nohup`; waits until it is
+    /// ready for one.
+    fn start(folder: &Folder, arguments: &[&str]) -> Child {
+        let mut program = Command::new("env");
+        program.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_raylanes")]).args(arguments);
+        let child = program.current_dir(&folder.0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let ready = || {
+            let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+            let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
+            u64::from_str_radix(caught.trim(), 16).unwrap() >> 14 & 1 == 1
+        };
+        wait_until("it is ready", ready);
+        child
+    }
+
+    fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+        let begin = Instant::now();
+        while !is_so() {
+            assert!(begin.elapsed() < Duration::from_secs(60), "waited in vain until {what}");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Sends a signal; tells the exit code and the lines on standard error.
+    fn interrupt(mut child: Child, signal: &str) -> (Option<i32>, Vec<String>) {
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        wait_until("it exits", || child.try_wait().unwrap().is_some());
+        let mut stderr = Vec::new();
+        child.stderr.take().unwrap().read_to_end(&mut stderr).unwrap();
+        (child.wait().unwrap().code(), complaints(&stderr))
+    }
+
+    #[test]
+    fn a_study_leaves_nothing_behind() {
+        let folder = Folder::new("interrupted-study");
+        for (delay, signal) in [(0, "-INT"), (20, "-TERM"), (500, "-INT"), (2000, "-INT")] {
+            for target in [["--record", "x"], ["--out", "some/where"]] {
+                let child = start(&folder, &[&["study", "--quick"][..], &target].concat());
+                std::thread::sleep(Duration::from_millis(delay));
+                assert_eq!(interrupt(child, signal), (Some(130), vec![NOTHING.to_owned()]), "{delay} {target:?}");
+                assert!(folder.names().is_empty(), "{delay} {target:?}: {:?}", folder.names());
+            }
+        }
+    }
+
+    #[test]
+    fn files_are_whole_or_not_there_and_it_says_which() {
+        let folder = Folder::new("interrupted-file");
+        let arguments = ["trace", "room:small", "--size", "1024x1024", "--repeat", "1", "--hits", "out"];
+        let mut outcomes = [0; 2];
+        for step in 0..24 {
+            let child = start(&folder, &arguments);
+            // From before the scene is built to after all is written.
+            std::thread::sleep(Duration::from_millis(25 * step));
+            let (code, lines) = interrupt(child, "-INT");
+            let written = folder.names();
+            if written.is_empty() {
+                assert_eq!((code, lines), (Some(130), vec![NOTHING.to_owned()]));
+            } else {
+                assert_eq!(written, ["out"]);
+                assert_eq!(fs::metadata(folder.0.join("out")).unwrap().len(), 1024 * 1024 * 16);
+                if code != Some(0) {
+                    assert_eq!((code, lines), (Some(130), vec!["raylanes: interrupted after writing to out".into()]));
+                }
+                fs::remove_file(folder.0.join("out")).unwrap();
+            }
+            outcomes[usize::from(!written.is_empty())] += 1;
+        }
+        assert!(outcomes[0] > 0, "{outcomes:?}: all came too late");
+    }
+
+    #[test]
+    fn output_that_nobody_reads_does_not_keep_it() {
+        let folder = Folder::new("interrupted-output");
+        let arguments = ["trace", "room:small", "--size", "256x256", "--repeat", "1", "--hits", "/dev/stdout"];
+        let mut child = start(&folder, &arguments);
+        let mut stdout = child.stdout.take().unwrap();
+        stdout.read_exact(&mut [0]).unwrap();
+        let line = "raylanes: interrupted after writing to /dev/stdout".to_owned();
+        assert_eq!(interrupt(child, "-INT"), (Some(130), vec![line]));
+    }
 }

@@ -11,7 +11,7 @@ use raylanes::study::coherence::JITTERS;
 use raylanes::study::ray_sets;
 use raylanes::study::record::{AccuracyRow, ClaimRow, CoherenceRow, Record};
 use raylanes::study::workload::{Regime, Subject, Workload};
-use raylanes::study::{self, Options};
+use raylanes::study::{self, Options, Progress};
 use raylanes::tracer::{Mode, SceneSource};
 
 #[derive(Default)]
@@ -52,7 +52,7 @@ fn extent_of(title: &str) -> [usize; 2] {
 fn every_kernel_is_measured_and_charted() {
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
     let options = Options { scenes, quick: true, large: false, seed: 1, peers: cfg!(feature = "peers") };
-    let record = study::run(&options).unwrap();
+    let record = study::run(&options, &Progress::bar()).unwrap();
     let mut ids = Ids::default();
     registry::all(&mut ids);
     for id in &ids.0 {

@@ -31,7 +31,7 @@ pub(super) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec
     let (scenes, size, samples) = if quick { (QUICK_SCENES, 64, 3) } else { (SCENES, 256, 5) };
     let pool = thread_pool(1)?;
     let mut rows = Vec::new();
-    for name in scenes {
+    for (name, progress) in progress.each(&scenes) {
         progress.note(&format!("{name}: coherence"));
         let LoadedScene { world, view, .. } = SceneSource::parse(name)?.load()?;
         let scene = Scene::<TracerKernel>::new(world);
@@ -43,13 +43,13 @@ pub(super) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec
         });
         let of_set = |set| Mode::ALL.map(|mode| Job { scene: &scene, set, mode, pool: &pool });
         let jobs: Vec<_> = sets.iter().flat_map(of_set).collect();
-        let timings = time(&jobs, samples)?;
+        let timings = time(&jobs, samples, &progress)?;
         let jitters = JITTERS.iter().flat_map(|jitter| [jitter; Mode::ALL.len()]);
         rows.extend(jobs.iter().zip(timings).zip(jitters).map(|((job, timing), &jitter)| {
             let counts = count(job.scene, &job.set.rays, job.set.any_hit, job.mode);
             let [mrays_per_second, mrays_per_second_mad] = timing.mrays_per_second();
             CoherenceRow {
-                scene: name.into(),
+                scene: (*name).into(),
                 jitter,
                 mode: job.mode.name().into(),
                 kernel: TracerKernel::INFO.id.to_string(),

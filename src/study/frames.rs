@@ -19,7 +19,7 @@ pub(super) fn measure(
     let stage = Stage::set(source, (size, seed), progress)?;
     let pools = thread_counts.iter().map(|&threads| thread_pool(threads)).collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
-    for set in &stage.sets {
+    for (set, progress) in progress.each(&stage.sets) {
         progress.note(&format!("{}: {} rays", stage.name, set.name));
         let with_mode = |mode| pools.iter().map(move |pool| (mode, pool));
         let jobs: Vec<_> = Mode::ALL
@@ -27,7 +27,7 @@ pub(super) fn measure(
             .flat_map(with_mode)
             .map(|(mode, pool)| Job { scene: &stage.scene, set, mode, pool })
             .collect();
-        rows.extend(jobs.iter().zip(time(&jobs, samples)?).map(|(job, timing)| {
+        rows.extend(jobs.iter().zip(time(&jobs, samples, &progress)?).map(|(job, timing)| {
             let [mrays_per_second, mrays_per_second_mad] = timing.mrays_per_second();
             TracerRow {
                 scene: stage.name.clone(),

@@ -1,17 +1,21 @@
 //! What a study writes: `results.json`, field by field. Tables, charts and the report are generated from it alone.
+//!
+//! Other programs read it too. `reports/FIELDS.md` is made of the comments below: after a change,
+//! `RAYLANES_BLESS=1 cargo test --lib fields` rewrites it.
 
 use serde::{Deserialize, Serialize};
 
 use super::peers::Disagreements;
 use crate::kernels::Operations;
 
-/// Version of the layout below; raised when a field changes its meaning.
+/// Version of the layout below; raised when a field changes its meaning or goes away, not when one is added.
 pub const SCHEMA: u32 = 4;
 
 /// One study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Record {
-    /// [`SCHEMA`].
+    /// Version of this layout: [`SCHEMA`].
     pub schema: u32,
     /// When the study began, in seconds since 1970-01-01 UTC.
     pub started_unix: u64,
@@ -57,8 +61,9 @@ pub struct Record {
 
 /// A comparison with peers: `peers.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PeersRecord {
-    /// [`SCHEMA`].
+    /// Version of this layout: [`SCHEMA`].
     pub schema: u32,
     /// When it began, in seconds since 1970-01-01 UTC.
     pub started_unix: u64,
@@ -82,6 +87,7 @@ pub struct PeersRecord {
 
 /// The machine and the build.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Machine {
     /// Processor model.
     pub cpu: String,
@@ -101,6 +107,7 @@ pub struct Machine {
 
 /// One face of a kernel in one thread, at a glance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct KernelRow {
     /// Kernel ID.
     pub id: String,
@@ -150,6 +157,7 @@ pub struct KernelRow {
 
 /// A kernel, as it describes itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MethodRow {
     /// Its ID.
     pub id: String,
@@ -175,6 +183,7 @@ pub struct MethodRow {
 
 /// Operations; selections, logic and conversions are not counted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OperationCounts {
     /// Multiplications, of `f32` and `f64` together, as in the next fields.
     pub mul: u32,
@@ -217,6 +226,7 @@ impl From<Operations> for OperationCounts {
 
 /// What an operation on eight lanes takes where it waits for no other, in one thread.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RateRow {
     /// `multiply`, `add` (additions and maxima in turn), `fused`, `divide`, `multiply and add` (in turn, two operations) or
     /// `load`.
@@ -235,6 +245,7 @@ pub struct RateRow {
 
 /// A kernel that this build has not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AbsentRow {
     /// Its ID.
     pub id: String,
@@ -244,6 +255,7 @@ pub struct AbsentRow {
 
 /// A workload that gets harder step by step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RegimeRow {
     /// The kernels that it is for: of a family, `triangle`, or instances, `instance of triangle`.
     pub family: String,
@@ -261,6 +273,7 @@ pub struct RegimeRow {
 
 /// Whether a kernel keeps, or would keep, a promise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ClaimRow {
     /// Kernel ID.
     pub id: String,
@@ -276,6 +289,7 @@ pub struct ClaimRow {
 
 /// A failure map: a workload with two severities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapRow {
     /// The kernels that it is for, as in [`RegimeRow::family`].
     pub family: String,
@@ -296,6 +310,7 @@ pub struct MapRow {
 
 /// A kernel's errors over a failure map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapCells {
     /// Kernel ID.
     pub id: String,
@@ -308,6 +323,7 @@ pub struct MapCells {
 
 /// Throughput of one face of a kernel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SpeedRow {
     /// Kernel ID.
     pub id: String,
@@ -331,6 +347,7 @@ pub struct SpeedRow {
 
 /// Errors of one kernel on one workload.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AccuracyRow {
     /// Kernel ID.
     pub id: String,
@@ -383,6 +400,7 @@ pub struct AccuracyRow {
 
 /// Throughput of the tracer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TracerRow {
     /// Scene name.
     pub scene: String,
@@ -390,7 +408,7 @@ pub struct TracerRow {
     pub triangles: usize,
     /// Instances of them.
     pub instances: usize,
-    /// `primary`, `shadow`, `bounce` or `ambient occlusion`: [`ray_sets`](super::ray_sets::ray_sets).
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`, as made by [`ray_sets`](super::ray_sets::ray_sets).
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
@@ -417,10 +435,11 @@ pub struct TracerRow {
 /// Throughput of the tracer on rays of a picture that were turned at random, closest hit, one thread; and what it took, in
 /// a run that was not timed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CoherenceRow {
     /// Scene name.
     pub scene: String,
-    /// How far rays were turned, from 0 to 1: [`JITTERS`](super::coherence::JITTERS).
+    /// How far rays were turned: from 0, those of the picture, to 1, at random.
     pub jitter: f64,
     /// `scalar`, `single`, `packet` or `auto`.
     pub mode: String,
@@ -446,6 +465,7 @@ pub struct CoherenceRow {
 
 /// Cost of a ray in a scene that comes in several sizes, mode auto, one thread.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ScalingRow {
     /// Scene name.
     pub scene: String,
@@ -473,12 +493,13 @@ pub struct ScalingRow {
 
 /// Throughput of one configuration of one tracer, ours or a peer, on a scene of triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PeerRow {
     /// Scene name.
     pub scene: String,
     /// Triangles in it.
     pub triangles: usize,
-    /// `primary`, `shadow`, `bounce` or `ambient occlusion`: [`ray_sets`](super::ray_sets::ray_sets).
+    /// `primary`, `shadow`, `bounce` or `ambient occlusion`, as made by [`ray_sets`](super::ray_sets::ray_sets).
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
@@ -511,6 +532,7 @@ pub struct PeerRow {
 /// A ratio to reach or to keep below, and what was measured: of rays per second of our automatic mode over those of a peer, or,
 /// with `most`, of time per ray.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TargetRow {
     /// Scene name.
     pub scene: String,

@@ -56,7 +56,7 @@ pub(super) fn measure(extent: Extent, seed: u64, progress: &Progress) -> Result<
             checksum: format!("{:016x}", timing.checksum),
         }
     };
-    Ok(places().zip(time(&jobs, samples)?).map(row).collect())
+    Ok(places().zip(time(&jobs, samples, progress)?).map(row).collect())
 }
 
 #[cfg(test)]

@@ -88,12 +88,12 @@ impl Timing {
     }
 }
 
-/// Times the jobs, in their order, into room that is there already. Each runs once before, to warm up.
+/// Times the jobs, in their order, into room that is there already. Each runs once before, to warm up. Fills `progress`.
 ///
 /// # Errors
 /// If a job gives other hits than the first one with the same rays, even in a single run: a timing of wrong results is worth
 /// nothing.
-pub(super) fn time(jobs: &[Job], samples: usize) -> Result<Vec<Timing>, Error> {
+pub(super) fn time(jobs: &[Job], samples: usize, progress: &Progress) -> Result<Vec<Timing>, Error> {
     let most = jobs.iter().map(|job| job.set.rays.len()).max().unwrap_or(0);
     // What no ray can end with, so that nothing that an earlier run has left passes for a hit of a later one.
     let unset = Hit::<f32>::new(true, f32::NEG_INFINITY, 0.0, 0.0);
@@ -110,8 +110,10 @@ pub(super) fn time(jobs: &[Job], samples: usize) -> Result<Vec<Timing>, Error> {
     };
     let same = |a: &Job, b: &Job| std::ptr::eq(a.scene, b.scene) && std::ptr::eq(a.set, b.set);
     let mut timings: Vec<Timing> = Vec::new();
+    let runs = (samples + 1) * jobs.len();
     for round in 0..=samples {
         for (number, job) in jobs.iter().enumerate() {
+            progress.reach((round * jobs.len() + number) as f64 / runs as f64);
             let (seconds, checksum, hits) = run(job);
             if round == 0 {
                 timings.push(Timing { rays: job.set.rays.len(), hits, checksum, seconds: Vec::new() });
@@ -136,13 +138,13 @@ mod tests {
 
     #[test]
     fn every_way_of_tracing_is_timed_and_finds_the_same() {
-        let source = SceneSource::parse("sphere:small").unwrap();
-        let stage = Stage::set(&source, (32, 1), &Progress::new()).unwrap();
+        let (source, progress) = (SceneSource::parse("sphere:small").unwrap(), Progress::bar());
+        let stage = Stage::set(&source, (32, 1), &progress).unwrap();
         let pools = [1, 2].map(|threads| thread_pool(threads).unwrap());
         let of_set =
             |set| Mode::ALL.map(|mode| Job { scene: &stage.scene, set, mode, pool: &pools[mode as usize % 2] });
         let jobs: Vec<Job> = stage.sets.iter().flat_map(of_set).collect();
-        let timings = time(&jobs, 3).unwrap();
+        let timings = time(&jobs, 3, &progress).unwrap();
         for (job, timing) in jobs.iter().zip(&timings) {
             assert_eq!((timing.rays, timing.seconds.len()), (job.set.rays.len(), 3));
             let ([rate, _], [ns, _]) = (timing.mrays_per_second(), timing.ns_per_ray());

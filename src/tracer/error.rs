@@ -11,7 +11,7 @@ pub enum Error {
     /// The operating system refused, or the disk is full.
     #[error("cannot {action} {}: {}", shown(.file), escaped(&reason(.source)))]
     Io {
-        /// `read` or `write`.
+        /// `read`, `write` or `create`.
         action: &'static str,
         /// Which file.
         file: PathBuf,
@@ -50,6 +50,12 @@ impl Error {
     /// For `map_err` after trying to write `file`.
     pub(crate) fn writing(file: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::io("write", file)
+    }
+
+    /// For `map_err` after trying to make a folder.
+    #[cfg(feature = "study")]
+    pub(crate) fn creating(folder: &Path) -> impl FnOnce(io::Error) -> Self {
+        Self::io("create", folder)
     }
 
     /// An [`Error::Input`] about the file as a whole.

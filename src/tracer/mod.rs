@@ -93,7 +93,9 @@ pub use camera::{Camera, block_order};
 pub use error::Error;
 pub use mesh::{Mesh, MeshError, Part};
 pub use obj::{ObjReport, load_obj};
-pub use output::write_atomically;
+pub use output::{hold_writes, write_atomically};
+#[cfg(feature = "study")]
+pub(crate) use output::{try_folder, write_new_folder, write_together};
 pub use picture::{Differences, OCCLUSION_RAYS, Picture, Shade, Shot, compare, picture_hits, shade};
 #[cfg(feature = "study")]
 pub(crate) use picture::{OCCLUSION_REACH, hemisphere_rays, shadow_rays};

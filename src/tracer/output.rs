@@ -1,14 +1,34 @@
-//! Files that are written completely or not at all.
+//! Files that are written completely or not at all, also by a program that is interrupted.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+#[cfg(feature = "study")]
+use tempfile::TempDir;
+use tempfile::TempPath;
 
 use super::error::Error;
+
+/// What temporary files and folders begin with.
+const PREFIX: &str = ".raylanes-";
 
 /// Names of files that are already open. Whoever opened them holds on to them, so they cannot be replaced, even where
 /// they are regular files (`raylanes … -o /dev/stdout >> log`).
 const OPEN_FILES: [&str; 4] = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
+
+/// What was written to so far. It is locked for as long as a temporary file or folder exists, but never while a device, a
+/// pipe or standard output is waited for.
+static WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Waits until there are no temporary files and folders, and keeps new ones from being made while the result lives: for a
+/// program that is about to exit although it may be writing. Tells what was written to so far, last what was written last;
+/// other writing than to files and folders may be going on.
+pub fn hold_writes() -> MutexGuard<'static, Vec<PathBuf>> {
+    // Whatever thread panicked has removed its temporary files.
+    WRITTEN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Writes a file by way of a temporary one beside it, which takes its place only when everything is written: a failure
 /// leaves behind neither half a file nor a damaged old one. Permissions are those of an ordinary new file, or those of
@@ -16,32 +36,161 @@ const OPEN_FILES: [&str; 4] = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"]
 ///
 /// Devices, pipes and standard output cannot be replaced, so these are written directly.
 ///
-/// This guards against errors, not against a power failure: nothing waits for the disk.
+/// This guards against errors, not against a power failure: nothing waits for the disk. One file is written at a time, so
+/// `write` must not write another one in this way.
 ///
 /// # Errors
 /// If the file cannot be made or written, also at the last flush, or if `write` fails.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Error> {
-    // Appending alters nothing yet, and lets the system judge whether this file may be written.
-    let written = match OpenOptions::new().append(true).open(path) {
-        Ok(file) => replace_or_append(path, file, write),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            destination(path).and_then(|destination| write_beside(&destination, None, write))
+    let written = Target::of(path).and_then(|target| match target {
+        Target::Open(file) => {
+            // Before, since some of it may be there when the rest is still waited for.
+            hold_writes().push(path.into());
+            write_buffered(file, write)
         }
-        Err(error) => Err(error),
-    };
+        Target::Replaceable(target) => {
+            let mut written = hold_writes();
+            target.stage(write)?.take_place()?;
+            written.push(path.into());
+            Ok(())
+        }
+    });
     written.map_err(Error::writing(path))
 }
 
-fn replace_or_append(
-    path: &Path,
-    existing: File,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    let metadata = existing.metadata()?;
-    if metadata.is_file() && !OPEN_FILES.iter().any(|open| path.starts_with(open)) {
-        write_beside(&destination(path)?, Some(metadata.permissions()), write)
-    } else {
-        write_buffered(existing, write)
+/// Writes files into a folder, each as [`write_atomically`] does, but none takes its place before all are written.
+///
+/// # Errors
+/// If one of them cannot be made or written.
+#[cfg(feature = "study")]
+pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
+    let mut replaceable = Vec::new();
+    for (name, content) in files {
+        let path = folder.join(name);
+        match Target::of(&path) {
+            Ok(Target::Replaceable(target)) => replaceable.push((path, target, content)),
+            Ok(Target::Open(file)) => {
+                write_buffered(file, |file| file.write_all(content)).map_err(Error::writing(&path))?;
+            }
+            Err(error) => return Err(Error::writing(&path)(error)),
+        }
+    }
+    let mut written = hold_writes();
+    let mut staged = Vec::new();
+    for (path, target, content) in replaceable {
+        let file = target.stage(|file| file.write_all(content)).map_err(Error::writing(&path))?;
+        staged.push((path, file));
+    }
+    for (path, file) in staged {
+        file.take_place().map_err(Error::writing(&path))?;
+    }
+    written.push(folder.into());
+    Ok(())
+}
+
+/// Writes files into a new folder, by way of a temporary one beside it: afterwards it is there with all of them, or not at
+/// all. The folder that it is made in is made if it is not there.
+///
+/// # Errors
+/// If something with this name exists, unless it is an empty folder, or if something cannot be written.
+#[cfg(feature = "study")]
+pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
+    let mut written = hold_writes();
+    let parent = directory_of(folder);
+    let _made = make_folder(parent)?;
+    let temporary = temporary_folder(parent).map_err(Error::writing(folder))?;
+    for (name, content) in files {
+        fs::write(temporary.path().join(name), content).map_err(Error::writing(&folder.join(name)))?;
+    }
+    match fs::rename(temporary.path(), folder) {
+        Err(_) if folder.symlink_metadata().is_ok() => {
+            let kept = temporary.keep();
+            let message = format!("it exists by now; what it was to hold is in {}", kept.display());
+            Err(Error::writing(folder)(io::Error::new(ErrorKind::AlreadyExists, message)))
+        }
+        renamed => {
+            renamed.map_err(Error::writing(folder))?;
+            written.push(folder.into());
+            Ok(())
+        }
+    }
+}
+
+/// Whether files can be made in this folder, which is made for the moment if it is not there. Nothing is left behind.
+///
+/// # Errors
+/// If they cannot.
+#[cfg(feature = "study")]
+pub(crate) fn try_folder(folder: &Path) -> Result<(), Error> {
+    let _held = hold_writes();
+    let _made = make_folder(folder)?;
+    temporary_folder(folder).map(drop).map_err(Error::writing(folder))
+}
+
+/// Folders that were not there. At the end those go away again into which nothing was written.
+#[cfg(feature = "study")]
+struct Made<'a>(Vec<&'a Path>);
+
+#[cfg(feature = "study")]
+impl Drop for Made<'_> {
+    fn drop(&mut self) {
+        // From the innermost out; the system refuses where something is in it.
+        self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+}
+
+/// Makes a folder, if it is not there, and those around it.
+#[cfg(feature = "study")]
+fn make_folder(folder: &Path) -> Result<Made<'_>, Error> {
+    let made = Made(folder.ancestors().filter(|ancestor| !ancestor.exists()).collect());
+    fs::create_dir_all(folder).map_err(Error::creating(folder))?;
+    Ok(made)
+}
+
+/// With the permissions of an ordinary folder, not of one for its owner alone.
+#[cfg(feature = "study")]
+fn temporary_folder(parent: &Path) -> io::Result<TempDir> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
+    // Without its name, which is of no use in a message.
+    builder.tempdir_in(parent).map_err(|error| error.kind().into())
+}
+
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent != "" => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// What a path stands for when it is to be written.
+enum Target {
+    /// A device, a pipe, or a file that somebody holds open.
+    Open(File),
+    /// A regular file, or none yet.
+    Replaceable(Replaceable),
+}
+
+impl Target {
+    fn of(path: &Path) -> io::Result<Self> {
+        // Appending alters nothing yet, and lets the system judge whether this file may be written.
+        match OpenOptions::new().append(true).open(path) {
+            Ok(file) => {
+                let metadata = file.metadata()?;
+                if metadata.is_file() && !OPEN_FILES.iter().any(|open| path.starts_with(open)) {
+                    let permissions = Some(metadata.permissions());
+                    Ok(Self::Replaceable(Replaceable { destination: destination(path)?, permissions }))
+                } else {
+                    Ok(Self::Open(file))
+                }
+            }
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                Ok(Self::Replaceable(Replaceable { destination: destination(path)?, permissions: None }))
+            }
+            Err(error) => Err(error),
+        }
     }
 }
 
@@ -57,28 +206,40 @@ fn destination(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-fn write_beside(
-    destination: &Path,
-    permissions: Option<fs::Permissions>,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    let directory = match destination.parent() {
-        Some(parent) if parent != "" => parent,
-        _ => Path::new("."),
-    };
-    if !directory.is_dir() {
-        return Err(io::Error::new(ErrorKind::NotFound, format!("there is no directory {}", directory.display())));
+struct Replaceable {
+    destination: PathBuf,
+    /// Of the file that is there.
+    permissions: Option<Permissions>,
+}
+
+impl Replaceable {
+    fn stage(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Staged> {
+        let directory = directory_of(&self.destination);
+        if !directory.is_dir() {
+            return Err(io::Error::new(ErrorKind::NotFound, format!("there is no directory {}", directory.display())));
+        }
+        // Opened by us, since tempfile would make it readable by its owner alone, and would put its name into messages.
+        let mut file = tempfile::Builder::new()
+            .prefix(PREFIX)
+            .make_in(directory, |name| OpenOptions::new().write(true).create_new(true).open(name))?;
+        if let Some(permissions) = self.permissions {
+            file.as_file().set_permissions(permissions)?;
+        }
+        write_buffered(file.as_file_mut(), write)?;
+        Ok(Staged { file: file.into_temp_path(), destination: self.destination })
     }
-    // Opened by us, since tempfile would make it readable by its owner alone, and would put its name into messages.
-    let mut temporary = tempfile::Builder::new()
-        .prefix(".raylanes-")
-        .make_in(directory, |name| OpenOptions::new().write(true).create_new(true).open(name))?;
-    if let Some(permissions) = permissions {
-        temporary.as_file().set_permissions(permissions)?;
+}
+
+/// A file that is written, beside its place. It goes away if it does not take it.
+struct Staged {
+    file: TempPath,
+    destination: PathBuf,
+}
+
+impl Staged {
+    fn take_place(self) -> io::Result<()> {
+        self.file.persist(self.destination).map_err(|error| error.error)
     }
-    write_buffered(temporary.as_file_mut(), write)?;
-    temporary.persist(destination).map_err(|error| error.error)?;
-    Ok(())
 }
 
 fn write_buffered(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
@@ -145,6 +306,85 @@ mod tests {
         assert!(message(Path::new("")).starts_with("cannot write : "));
     }
 
+    #[test]
+    fn while_writes_are_held_there_is_no_temporary_file() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("out");
+        let held = hold_writes();
+        assert!(!held.contains(&path));
+        let writer = std::thread::spawn({
+            let path = path.clone();
+            move || write_atomically(&path, |out| out.write_all(b"content"))
+        });
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        assert!(names(directory.path()).is_empty());
+        drop(held);
+        writer.join().unwrap().unwrap();
+        assert!(hold_writes().contains(&path));
+    }
+
+    #[cfg(feature = "study")]
+    fn files(names: &[&str]) -> Vec<(String, Vec<u8>)> {
+        names.iter().map(|name| ((*name).to_owned(), name.as_bytes().to_vec())).collect()
+    }
+
+    #[cfg(feature = "study")]
+    #[test]
+    fn files_are_written_together_or_not_at_all() {
+        let directory = tempfile::tempdir().unwrap();
+        let folder = directory.path();
+        fs::write(folder.join("b"), "old").unwrap();
+        fs::write(folder.join("other"), "kept").unwrap();
+        let error = write_together(folder, &files(&["a", "b", "no/c"])).unwrap_err().to_string();
+        assert!(error.contains("no/c: there is no directory"), "{error}");
+        assert_eq!(
+            (names(folder), fs::read_to_string(folder.join("b")).unwrap()),
+            (vec!["b".into(), "other".into()], "old".into())
+        );
+        write_together(folder, &files(&["a", "b"])).unwrap();
+        assert_eq!(names(folder), ["a", "b", "other"]);
+        assert_eq!(fs::read_to_string(folder.join("b")).unwrap(), "b");
+        assert!(hold_writes().contains(&folder.to_owned()));
+    }
+
+    #[cfg(feature = "study")]
+    #[test]
+    fn a_new_folder_is_there_with_all_files_or_not_at_all() {
+        let directory = tempfile::tempdir().unwrap();
+        let parent = directory.path().join("reports");
+        let folder = parent.join("new");
+        let error = write_new_folder(&folder, &files(&["a", "no/b"])).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("cannot write {}: ", folder.join("no/b").display())), "{error}");
+        assert!(names(directory.path()).is_empty(), "nor is what was made around it");
+        write_new_folder(&folder, &files(&["a", "b"])).unwrap();
+        assert_eq!((names(&parent), names(&folder)), (vec!["new".to_owned()], vec!["a".into(), "b".into()]));
+        let error = write_new_folder(&folder, &files(&["c"])).unwrap_err().to_string();
+        assert_eq!(names(&folder), ["a", "b"], "what is there is never touched");
+        let kept = names(&parent).remove(0);
+        assert!(
+            kept.starts_with(PREFIX)
+                && error
+                    .contains(&format!("it exists by now; what it was to hold is in {}", parent.join(&kept).display())),
+            "{error}"
+        );
+        assert_eq!(names(&parent.join(kept)), ["c"]);
+    }
+
+    #[cfg(feature = "study")]
+    #[test]
+    fn a_folder_is_tried_without_a_trace() {
+        let directory = tempfile::tempdir().unwrap();
+        let folder = directory.path().join("some/where");
+        try_folder(&folder).unwrap();
+        assert!(names(directory.path()).is_empty());
+        fs::create_dir_all(&folder).unwrap();
+        try_folder(&folder).unwrap();
+        assert!(folder.exists() && names(&folder).is_empty());
+        fs::write(directory.path().join("file"), "").unwrap();
+        let error = try_folder(&directory.path().join("file/below")).unwrap_err().to_string();
+        assert!(error.starts_with("cannot create ") && error.contains("file/below"), "{error}");
+    }
+
     #[cfg(unix)]
     mod unix {
         use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
@@ -197,6 +437,37 @@ mod tests {
             write_atomically(&pipe, |out| out.write_all(b"content")).unwrap();
             assert_eq!(reader.join().unwrap(), "content");
             assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+        }
+
+        #[test]
+        fn a_pipe_that_nobody_reads_holds_up_nobody_else() {
+            let directory = tempfile::tempdir().unwrap();
+            let pipe = directory.path().join("pipe");
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            let writer = std::thread::spawn({
+                let pipe = pipe.clone();
+                move || write_atomically(&pipe, |out| out.write_all(&[0; 1 << 20]))
+            });
+            let mut reader = File::open(&pipe).unwrap();
+            io::Read::read_exact(&mut reader, &mut [0]).unwrap();
+            // The rest does not fit into the pipe. Other tests write meanwhile, so more than one try is needed.
+            let mut tries = (0..1000).map(|_| {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+                WRITTEN.try_lock().is_ok_and(|written| written.contains(&pipe))
+            });
+            assert!(tries.any(|free| free));
+            drop(reader);
+            writer.join().unwrap().unwrap_err();
+        }
+
+        #[cfg(feature = "study")]
+        #[test]
+        fn new_folders_are_ordinary() {
+            let directory = tempfile::tempdir().unwrap();
+            let [ordinary, new] = ["ordinary", "new"].map(|name| directory.path().join(name));
+            fs::create_dir(&ordinary).unwrap();
+            write_new_folder(&new, &files(&["a"])).unwrap();
+            assert_eq!(mode(&new), mode(&ordinary));
         }
 
         #[test]

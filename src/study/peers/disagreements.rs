@@ -6,6 +6,7 @@ use crate::geom::Hit;
 
 /// Rays about which two tracers disagree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Disagreements {
     /// Only the first one reports a hit.
     pub only_first: usize,
