@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn stripes_follow_one_another() {
+    fn one_line_is_dashed_and_several_are_stripes_that_follow_one_another() {
         let looks = [0, 1, 2].map(|i| (None, Look::of(i)));
         let svg = super::super::canvas((300, 20), |root| line(root, &[(27, 9), (63, 9), (108, 9)], &looks));
         for (color, skipped) in
@@ -143,5 +143,7 @@ mod tests {
             );
             assert_eq!(svg.matches(&path).count(), 1, "{svg}");
         }
+        let alone = super::super::canvas((300, 20), |root| line(root, &[(27, 9), (63, 9)], &looks[1..2]));
+        assert!(alone.contains(" stroke-dasharray=\"9 3\" d=\"M27 9l36 0\""), "{alone}");
     }
 }

@@ -41,6 +41,8 @@ pub(in crate::study) fn report_html(markdown: &str, charts: &[Chart]) -> String 
     }
     let mut body = String::new();
     push_html(&mut body, page.into_iter());
+    // Most cells are numbers: how they look is said once, in the style sheet.
+    let body = body.replace(" style=\"text-align: right\"", " class=\"n\"");
     let title = headings.iter().find(|heading| heading.level == HeadingLevel::H1).map_or("", |heading| &heading.text);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -177,7 +179,7 @@ mod tests {
         assert!(page.contains("<title>A &amp; B</title>"));
         assert!(page.contains("<code>x &lt; y &amp; &lt;b&gt;</code>"), "{page}");
         assert!(page.contains("<svg role=\"img\" aria-label=\"&quot;&lt;i&gt;&quot;\" width=\"1\">"), "{page}");
-        assert!(page.contains("<td style=\"text-align: right\">1</td>"));
+        assert!(page.contains("<td class=\"n\">1</td>"));
     }
 
     #[test]
