@@ -366,12 +366,13 @@ mod tests {
         let report = report_markdown(&record);
         let methods = groups_of_methods(&record);
         for kernel in &record.methods {
-            // Kernels, claims, two tables for each of two workloads, and checksums; and one for each measure of a regime.
+            // Kernels, packets, claims, two tables for each of two workloads, and checksums; and one for each measure of a
+            // regime.
             let mut groups = methods.iter();
             let group = groups.find(|group| group.kernels.iter().any(|shown| shown.kernel.id == kernel.id));
             let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
             let regimes = record.regimes.iter().filter(is_shown);
-            let tables = 7 + regimes.map(|regime| Measure::of(regime).len()).sum::<usize>();
+            let tables = 8 + regimes.map(|regime| Measure::of(regime).len()).sum::<usize>();
             assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
         }
         for chart in charts(&record) {

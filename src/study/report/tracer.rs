@@ -301,6 +301,7 @@ fn greatest(all: &[Growth]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::figures::groups;
     use crate::study::fixture::record_of;
 
     #[test]
@@ -336,10 +337,12 @@ mod tests {
                 _ => {}
             }
         }
-        let text = throughput(&record).join("\n\n");
-        assert!(text.contains("### 2 threads against one"));
+        let text = [throughput(&record), several_threads(&record, &groups(&record))].concat().join("\n\n");
+        assert!(text.contains("## 2 threads against one"));
         assert!(
-            text.contains("Mode auto: from 0.77× ± 0.03 (spheres, bounce) to 2.12× ± 0.04 (forest:10000, shadow)."),
+            text.contains(
+                "Tracer in mode auto: from 0.77× ± 0.03 (spheres, bounce) to 2.12× ± 0.04 (forest:10000, shadow)."
+            ),
             "{text}"
         );
         for rays in ["primary", "shadow", "bounce", "ambient occlusion"] {
@@ -353,7 +356,7 @@ mod tests {
         let mut record = record_of(&[]);
         let last = record.scaling.iter_mut().rfind(|row| row.rays == "bounce").unwrap();
         last.ns_per_ray *= 2.0;
-        let text = growth(&record).join("\n\n");
+        let text = memory(&record, &groups(&record)).join("\n\n");
         assert!(text.contains("It is greatest, 2.50×, for bounce rays up to terrain:1e6."), "{text}");
         assert!(text.contains("| terrain:1e6 | 1,000,000 | 3.8 | 178 | 178 | 0.300 |"), "{text}");
     }

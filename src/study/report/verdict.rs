@@ -88,6 +88,13 @@ fn if_t_must_be_exact(group: &Group) -> Option<String> {
     let exact = fastest_of(group.kernels.iter().filter(|kernel| kernel.ulp() == Some(least)), "8x1");
     let (first, safest) = (exact.first()?, safest(group));
     let best = safest.first()?;
+    if best.ulp() == Some(least) {
+        return Some(format!(
+            "**No `t` is more exact:** `{}` errs by {} ulp (99th percentile).",
+            best.name,
+            count(least)
+        ));
+    }
     let lost = first.lost.filter(|lost| lost.per_million > 0.0);
     Some(format!(
         "**If `t` must be right to the last digit: `{}`** errs by {} ulp where `{}` errs by {} (99th percentile), for {} the \
@@ -156,11 +163,13 @@ mod tests {
         let record = record_of(&all_ids());
         let lines = lines(&record);
         assert_eq!(lines.len(), 5, "{lines:#?}");
-        assert!(lines[0].starts_with("**Triangles: `cramer`** lost none of "), "{}", lines[0]);
         assert!(
-            lines[1].starts_with("**Nothing is faster") && lines[2].contains("0 ulp where `cramer` errs"),
-            "{lines:#?}"
+            lines[0].starts_with("**Triangles: `woop_dop`** loses the fewest rays, 840 of a million"),
+            "{}",
+            lines[0]
         );
+        assert!(lines[1].starts_with("**If only speed counts: `cramer`** is 1.21× as fast"), "{lines:#?}");
+        assert!(lines[2].starts_with("**No `t` is more exact:** `woop_dop` errs by 0 ulp"), "{lines:#?}");
         assert!(lines[3].starts_with("**Boxes: `") && lines[4].starts_with("**Quadrics: `"));
     }
 
@@ -172,6 +181,7 @@ mod tests {
                 (row.ns_per_test, row.ns_per_test_mad, row.tests_per_second) = (ns, 0.01, 1e9 / ns);
             }
             for row in record.accuracy.iter_mut().filter(|row| row.id == id) {
+                row.t_ulp_p99 = 7;
                 row.leak_per_million =
                     if row.workload == "vertex_fan" && row.severity == Some(4.0) { leaks } else { 0.0 };
             }
@@ -185,8 +195,16 @@ mod tests {
             second.contains("`a`** is 2.00× as fast, and loses up to 60,000 of a million rays (vertex fan 4)"),
             "{second}"
         );
+        assert!(lines(&record)[2].starts_with("**No `t` is more exact:** `b` errs by"), "{}", lines(&record)[2]);
         // Apart by more than the noise: no longer an equal.
         set(&mut record, "triangle/c", 2.03, 0.0);
+        let generic = record.accuracy.iter_mut().find(|row| row.id == "triangle/c" && row.workload == "generic");
+        generic.unwrap().t_ulp_p99 = 1;
+        let exact = &lines(&record)[2];
+        assert!(
+            exact.contains("`c`** errs by 1 ulp where `b` errs by 7 (99th percentile), for 1.01× the time."),
+            "{exact}"
+        );
         assert!(lines(&record)[0].contains("`b`** lost none"), "{}", lines(&record)[0]);
     }
 
