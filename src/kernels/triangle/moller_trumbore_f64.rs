@@ -99,13 +99,11 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = dir.dot(q) * inv_det;
-
-        // Each test is true for a hit, so a NaN is always a miss.
-        let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-        if !inside {
-            return Hit::MISS;
-        }
         let t = (e2.dot(q) * inv_det) as f32;
+
+        // Each test is true for a hit, so a NaN is always a miss. No early exit: with one rustc 1.95 branches on each of the
+        // three, and 1x1 took 6.5 ns in one build and 16.7 in another, instead of 7.4 in all.
+        let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
         Hit::<f32>::new(inside & accepts(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
     }
 }

@@ -112,7 +112,10 @@ impl Column {
             title: title(kernel),
             data: Vec::new(),
         })?;
-        root.draw_text(&(self.text)(value), &label(TEXT - 1.0, FAINT), (end + 4, y))
+        // No figure lies on the line.
+        let line = left + self.place(self.mark, plot);
+        let figure = if (line - FIGURE..line).contains(&end) { line } else { end };
+        root.draw_text(&(self.text)(value), &label(TEXT - 1.0, FAINT), (figure + 4, y))
     }
 }
 

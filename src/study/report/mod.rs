@@ -122,8 +122,12 @@ fn title(record: &Record) -> String {
     )
 }
 
-/// What to use of each group: by speed, by lost rays and by the error of `t`.
 fn advice(groups: &[Group]) -> String {
+    format!("## Which kernel\n\n{}", advice_table(groups))
+}
+
+/// What to use of each group: by speed, by lost rays and by the error of `t`.
+fn advice_table(groups: &[Group]) -> String {
     let header = ["kernels", "fastest in packets (8x1)", "fewest lost rays", "most accurate `t`"];
     let mut grid = Grid::new(header.len(), header);
     for group in groups {
@@ -135,7 +139,7 @@ fn advice(groups: &[Group]) -> String {
         row.extend(cells.map(|cell| Cell::from(cell.unwrap_or(MISSING.to_owned()))));
         grid.rows.push(row);
     }
-    format!("## Which kernel\n\n{}", grid.markdown())
+    grid.markdown()
 }
 
 /// The kernels of a group, fastest first.
@@ -354,6 +358,9 @@ fn checksums(record: &Record) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
     use crate::study::chart::charts;
     use crate::study::failures::Measure;
@@ -405,6 +412,39 @@ mod tests {
         times(&mut record, 0.026);
         let report = report_markdown(&record);
         assert!(report.contains("| **`b`** ") && report.contains("; a tie with `a`"));
+    }
+
+    /// What the project's README says of a record: its verdict, and what to use of each family.
+    fn of_readme(record: &Record, folder: &str) -> String {
+        let mut groups = groups(record);
+        groups.retain(Group::is_base);
+        let verdict = verdict_list(&groups).unwrap_or_default();
+        format!(
+            "{verdict}\n\n{}\nMeasured on {}, {}: [the whole record]({folder}/report.md).\n",
+            advice_table(&groups),
+            date(record.started_unix),
+            record.machine.cpu
+        )
+    }
+
+    /// To bring the README up to date: `RAYLANES_BLESS=1 cargo test --lib readme`.
+    #[test]
+    fn the_readme_says_what_its_record_says() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let readme = fs::read_to_string(root.join("README.md")).unwrap();
+        let (before, rest) = readme.split_once("<!-- verdict of ").expect("the README has a verdict");
+        let (folder, rest) = rest.split_once(" -->\n").unwrap();
+        let (said, after) = rest.split_once("<!-- end of verdict -->").unwrap();
+        assert!(before.contains(&format!("]({folder}/{SPEED_ACCURACY})")), "the chart is that of the same record");
+        let json = fs::read_to_string(root.join(folder).join("results.json")).unwrap();
+        let record: Record = serde_json::from_str(&json).expect("the README's record has the present layout");
+        let expected = format!("\n{}\n", of_readme(&record, folder));
+        if std::env::var_os("RAYLANES_BLESS").is_some() {
+            let blessed = format!("{before}<!-- verdict of {folder} -->\n{expected}<!-- end of verdict -->{after}");
+            fs::write(root.join("README.md"), blessed).unwrap();
+        } else {
+            assert_eq!(said, expected, "if this is meant: RAYLANES_BLESS=1 cargo test --lib readme");
+        }
     }
 
     #[test]

@@ -38,31 +38,25 @@ fn packet_speed(kernel: &Figures) -> Option<f64> {
     kernel.speed("8x1", 1).map(|row| row.tests_per_second)
 }
 
+/// The kernel to use of a group: how much it loses, and how fast it is.
 fn recommended(group: &Group, title: &str) -> Option<String> {
     let [best, ties @ ..] = &safest(group)[..] else { return None };
     let lost = best.lost?;
     let loses = if best.loses() {
-        format!(
-            "loses the fewest rays, {} of a million in the worst case{}",
-            number(lost.per_million, 2),
-            worst_case(best)
-        )
+        format!("loses the fewest rays, {}", at_worst(best)?)
     } else {
-        format!("lost none of {} rays aimed where others lose", si(lost.of as f64, 3))
+        format!("loses none of {} rays aimed where others do", si(lost.of as f64, 3))
     };
-    Some(format!(
-        "**{title}: `{}`**{} {loses}, at {} tests per second in packets of eight.",
-        best.name,
-        equals(ties),
-        si(packet_speed(best)?, 3)
-    ))
+    Some(format!("**{title}: `{}`**{} {loses}; {} tests/s.", best.name, equals(ties), si(packet_speed(best)?, 3)))
 }
 
-fn worst_case(kernel: &Figures) -> String {
-    kernel.lost_in.map_or(String::new(), |row| match row.severity {
+/// The greatest share of rays that a kernel loses, and where.
+fn at_worst(kernel: &Figures) -> Option<String> {
+    let place = kernel.lost_in.map_or(String::new(), |row| match row.severity {
         Some(step) => format!(" ({} {})", row.workload.replace('_', " "), severity(step)),
-        None => format!(" (rays aimed at {}s)", row.workload),
-    })
+        None => format!(" ({}s)", row.workload),
+    });
+    Some(format!("up to {} %{place}", number(kernel.lost?.per_million / 1e4, 2)))
 }
 
 /// What the fastest kernel gains and loses.
@@ -73,12 +67,11 @@ fn if_speed_is_all(group: &Group) -> Option<String> {
         return Some(format!("**Nothing is faster:** no kernel beats `{}` by more than the noise.", best.name));
     }
     Some(format!(
-        "**If only speed counts: `{}`**{} is {} as fast, and loses up to {} of a million rays{}.",
+        "**If only speed counts: `{}`**{} is {} as fast, and loses {}.",
         first.name,
         equals(ties),
         times(Some(packet_speed(first)? / packet_speed(best)?)),
-        number(first.lost?.per_million, 2),
-        worst_case(first)
+        at_worst(first)?
     ))
 }
 
@@ -95,16 +88,13 @@ fn if_t_must_be_exact(group: &Group) -> Option<String> {
             count(least)
         ));
     }
-    let lost = first.lost.filter(|lost| lost.per_million > 0.0);
+    let loses = if first.loses() { format!(", and loses {}", at_worst(first)?) } else { String::new() };
     Some(format!(
-        "**If `t` must be right to the last digit: `{}`** errs by {} ulp where `{}` errs by {} (99th percentile), for {} the \
-         time{}.",
+        "**If `t` must be exact: `{}`** errs by {} ulp instead of {} (99th percentile), takes {} the time{loses}.",
         first.name,
         count(least),
-        best.name,
         best.ulp().map_or("–".into(), count),
         times(Some(packet_speed(best)? / packet_speed(first)?)),
-        lost.map_or(String::new(), |lost| format!(", and loses {} of a million rays", number(lost.per_million, 2)))
     ))
 }
 
@@ -115,13 +105,8 @@ fn price(group: &Group) -> Option<String> {
     if fastest.iter().any(|kernel| kernel.name == best.name) {
         return Some(" None is faster.".into());
     }
-    Some(format!(
-        " `{}` is {} as fast and loses up to {} of a million{}.",
-        first.name,
-        times(Some(packet_speed(first)? / packet_speed(best)?)),
-        number(first.lost?.per_million, 2),
-        worst_case(first)
-    ))
+    let gain = times(Some(packet_speed(first)? / packet_speed(best)?));
+    Some(format!(" `{}` is {gain} as fast, and loses {}.", first.name, at_worst(first)?))
 }
 
 /// How far apart timings were, and what therefore is not ranked.
@@ -141,7 +126,8 @@ pub(super) fn noise(record: &Record, groups: &[Group]) -> Option<String> {
     }
     let warning = if spread > NOISY { "**The machine was noisy: trust only large differences.** " } else { "" };
     Some(format!(
-        "{warning}Samples deviated from their median by {} % in the middle. Of {pairs} pairs of neighbours in the rankings of \
+        "{warning}Rays lost are those that exactly hit and are reported to miss, tests per second those of packets of eight in one \
+         thread. Samples deviated from their median by {} % in the middle. Of {pairs} pairs of neighbours in the rankings of \
          packets, {ties} differ by no more than the sum of their deviations: they are shown as tied, and none is called the \
          faster.",
         number(100.0 * spread, 2)
@@ -164,7 +150,8 @@ mod tests {
         let lines = lines(&record);
         assert_eq!(lines.len(), 5, "{lines:#?}");
         assert!(
-            lines[0].starts_with("**Triangles: `woop_dop`** loses the fewest rays, 840 of a million"),
+            lines[0]
+                .starts_with("**Triangles: `woop_dop`** loses the fewest rays, up to 0.084 % (edges); 669 M tests/s."),
             "{}",
             lines[0]
         );
@@ -190,22 +177,16 @@ mod tests {
         set(&mut record, "triangle/b", 2.0, 0.0);
         set(&mut record, "triangle/c", 2.01, 0.0);
         let [first, second, ..] = &lines(&record)[..] else { panic!("{:?}", lines(&record)) };
-        assert!(first.contains("`b`** or, as fast, `c` lost none"), "{first}");
-        assert!(
-            second.contains("`a`** is 2.00× as fast, and loses up to 60,000 of a million rays (vertex fan 4)"),
-            "{second}"
-        );
+        assert!(first.contains("`b`** or, as fast, `c` loses none"), "{first}");
+        assert!(second.contains("`a`** is 2.00× as fast, and loses up to 6.0 % (vertex fan 4)"), "{second}");
         assert!(lines(&record)[2].starts_with("**No `t` is more exact:** `b` errs by"), "{}", lines(&record)[2]);
         // Apart by more than the noise: no longer an equal.
         set(&mut record, "triangle/c", 2.03, 0.0);
         let generic = record.accuracy.iter_mut().find(|row| row.id == "triangle/c" && row.workload == "generic");
         generic.unwrap().t_ulp_p99 = 1;
         let exact = &lines(&record)[2];
-        assert!(
-            exact.contains("`c`** errs by 1 ulp where `b` errs by 7 (99th percentile), for 1.01× the time."),
-            "{exact}"
-        );
-        assert!(lines(&record)[0].contains("`b`** lost none"), "{}", lines(&record)[0]);
+        assert!(exact.contains("`c`** errs by 1 ulp instead of 7 (99th percentile), takes 1.01× the time."), "{exact}");
+        assert!(lines(&record)[0].contains("`b`** loses none"), "{}", lines(&record)[0]);
     }
 
     #[test]
