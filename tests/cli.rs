@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use raylanes::geom::{Hit, Ray};
@@ -370,18 +371,21 @@ fn a_study_is_plain_text_where_no_colour_is_wanted() {
 fn records_that_could_not_be_written_are_refused_before_anything_is_measured() {
     let folder = Folder::new("refused");
     for name in ["", ".hidden", "a/b", "..", "a b", "ä"] {
-        let output = raylanes(&["study", "--quick", "--record", name]);
+        let mut program = program();
+        let output = program.args(["study", "--quick", "--record", name]).current_dir(&folder.0).output().unwrap();
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{name}: {error}");
         assert!(error.contains(&format!("'{name}'")) && error.contains("expected letters"), "{error}");
     }
     let both = raylanes(&["study", "--record", "a", "--out", "b"]);
     assert!(both.status.code() == Some(2) && String::from_utf8(both.stderr).unwrap().contains("--out"));
-    fails_in(&folder.0, &["study", "--record", &"x".repeat(300)], &["xxx", "too long"]);
+    let begin = Instant::now();
+    fails_in(&folder.0, &["study", "--quick", "--record", &"x".repeat(300)], &["xxx", "too long"]);
     assert!(folder.names().is_empty());
     folder.file("reports", "a file");
-    fails_in(&folder.0, &["study", "--record", "a"], &["reports", "-a", "Not a directory"]);
+    fails_in(&folder.0, &["study", "--quick", "--record", "a"], &["reports", "-a", "Not a directory"]);
     assert_eq!(folder.names(), ["reports"]);
+    assert!(begin.elapsed() < Duration::from_secs(5), "a study takes longer, even a quick one");
 }
 
 /// Interrupting for real, by signals.
@@ -389,7 +393,6 @@ fn records_that_could_not_be_written_are_refused_before_anything_is_measured() {
 mod interrupted {
     use std::io::Read;
     use std::process::Child;
-    use std::time::{Duration, Instant};
 
     use super::*;
 

@@ -277,10 +277,9 @@ pub fn try_write(folder: &Path) -> Result<(), Error> {
 /// # Errors
 /// If it exists, since records are never edited, or if it could not be written.
 pub fn new_record(name: &str) -> Result<PathBuf, Error> {
-    let reports = Path::new("reports");
-    let folder = reports.join(format!("{}-{name}", date(seconds_since_1970(SystemTime::now()))));
+    let folder = Path::new("reports").join(format!("{}-{name}", date(seconds_since_1970(SystemTime::now()))));
     match folder.symlink_metadata() {
-        Err(error) if error.kind() == ErrorKind::NotFound => try_folder(reports).map(|()| folder),
+        Err(error) if error.kind() == ErrorKind::NotFound => try_folder(&folder).map(|()| folder),
         Err(error) => Err(Error::writing(&folder)(error)),
         Ok(_) => Err(Error::Argument {
             argument: folder.display().to_string(),

@@ -147,15 +147,11 @@ fn make_folder(folder: &Path) -> Result<Made<'_>, Error> {
     Ok(made)
 }
 
-/// With the permissions of an ordinary folder, not of one for its owner alone.
+/// Unlike a temporary file, it has ordinary permissions by itself.
 #[cfg(feature = "study")]
 fn temporary_folder(parent: &Path) -> io::Result<TempDir> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX);
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
     // Without its name, which is of no use in a message.
-    builder.tempdir_in(parent).map_err(|error| error.kind().into())
+    tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent).map_err(|error| error.kind().into())
 }
 
 fn directory_of(path: &Path) -> &Path {
