@@ -34,7 +34,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Measure every kernel and the tracer; write results.json, report.md and its charts.
+    /// Measure every kernel and the tracer; write results.json, the report (report.html, report.md) and its charts.
     Study(StudyArguments),
     /// Trace the rays of a picture or of a file and tell how fast that was.
     Trace(TraceArguments),
@@ -267,7 +267,7 @@ fn run_study(arguments: &StudyArguments, progress: &Progress) -> Result<String, 
     let color = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut text = study::terminal_table(&record, color);
     let folder = folder.display();
-    writeln!(text, "\nWritten to {folder}: report.md, its charts (begin with speed-accuracy.svg), results.json")
+    writeln!(text, "\nWritten to {folder}: report.html (or report.md and its charts), results.json")
         .expect("strings grow");
     Ok(text)
 }
