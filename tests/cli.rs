@@ -363,7 +363,7 @@ fn a_study_is_plain_text_where_no_colour_is_wanted() {
     let output = output.env("NO_COLOR", "1").env("CLICOLOR_FORCE", "1").output().unwrap();
     assert_eq!((output.status.code(), complaints(&output.stderr)), (Some(0), vec![]));
     let printed = String::from_utf8(output.stdout).unwrap();
-    assert!(!printed.contains('\x1b') && printed.contains("\nWritten to out: report.md"), "{printed}");
+    assert!(!printed.contains('\x1b') && printed.contains("\nWritten to out: report.html"), "{printed}");
     assert!(names(&folder.0.join("out")).iter().any(|name| name == "results.json"));
 }
 

@@ -56,7 +56,8 @@ fn every_kernel_is_measured_and_charted() {
     let mut ids = Ids::default();
     registry::all(&mut ids);
     for id in &ids.0 {
-        assert_eq!(record.kernels.iter().filter(|row| row.id == *id).count(), 1, "{id}");
+        assert_eq!(record.methods.iter().filter(|row| row.id == *id).count(), 1, "{id}");
+        at_a_glance(&record, id);
         // Three faces, one and two threads; two workloads without steps.
         let [steps, maps] = extent_of(&title_of(id));
         assert_eq!(record.speed.iter().filter(|row| row.id == *id).count(), 6, "{id}");
@@ -82,6 +83,8 @@ fn every_kernel_is_measured_and_charted() {
         }
     }
     assert!(record.speed.iter().all(|row| row.ns_per_test > 0.0 && row.ns_per_test.is_finite()));
+    let fused = usize::from(cfg!(all(target_feature = "avx", target_feature = "fma")));
+    assert_eq!(record.rates.len(), 9 + fused);
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
     assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
     tracer_is_measured(&record);
@@ -99,6 +102,22 @@ fn every_kernel_is_measured_and_charted() {
         assert!(chart.contains(id.rsplit('/').next().unwrap()), "{id} is not in the chart");
     }
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Each face of a kernel has a row of figures that agree with each other.
+fn at_a_glance(record: &Record, id: &str) {
+    let rows: Vec<_> = record.kernels.iter().filter(|row| row.id == id).collect();
+    assert_eq!(rows.iter().map(|row| row.face.as_str()).collect::<Vec<_>>(), ["1x1", "8x1", "1x8"], "{id}");
+    for row in rows {
+        assert!(row.t_ulp_p50 <= row.t_ulp_p99 && row.t_ulp_p99 <= row.t_ulp_max, "{row:?}");
+        assert!(row.t_ulp_max.is_some() && row.false_miss_per_million.is_some() && row.false_hit_per_million.is_some());
+        assert_eq!(row.leak_per_million.is_some(), row.shape == "triangle", "{row:?}");
+        // Nothing is faster than its limit, but a quick run may err.
+        let share = row.limit_share.unwrap_or(0.5);
+        assert!((row.width == 8) == row.limit_share.is_some() && share > 0.05 && share < 2.0, "{row:?}");
+    }
+    let hits: Vec<f64> = record.speed.iter().filter(|row| row.id == id).map(|row| row.hit_share).collect();
+    assert!(hits.iter().all(|&share| share > 0.0 && share < 1.0), "{id}: {hits:?}");
 }
 
 /// Every way of tracing the one scene, the same rays ever less alike, and ever more triangles.
