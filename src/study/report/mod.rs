@@ -420,7 +420,10 @@ mod tests {
         groups.retain(Group::is_base);
         let verdict = verdict_list(&groups).unwrap_or_default();
         format!(
-            "{verdict}\n\n{}\nMeasured on {}, {}: [the whole record]({folder}/report.md).\n",
+            "{verdict}\n\n{}\nTests of one ray against one primitive, in packets of eight (8x1), one thread; lost rays per million that \
+             exactly hit, where that is\nworst (`< b`: the 95 % bound where none was); ulp: 99th percentile of the error of `t`. Kernels \
+             tie where they differ by no more than\nthe noise. Measured on {}, {}: [the whole record]({folder}/report.md), \
+             and as a page `report.html` beside it.\n",
             advice_table(&groups),
             date(record.started_unix),
             record.machine.cpu
