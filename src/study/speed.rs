@@ -111,8 +111,10 @@ where
             for (number, primitive) in self.primitives.iter().enumerate() {
                 let hit = primitive.closest_hit(packet, &setup);
                 if hit.mask.any() {
-                    let hit = Hit { primitive: u32x8::splat(number as u32), ..hit };
-                    best.replace(lt8(hit.t, best.t), &hit);
+                    let closer = lt8(hit.t, best.t);
+                    if closer.any() {
+                        best.replace(closer, &Hit { primitive: u32x8::splat(number as u32), ..hit });
+                    }
                 }
             }
             best.write(hits);
@@ -128,7 +130,10 @@ where
             for group in &self.groups {
                 let hit = group.closest_hit(&ray, &setup);
                 if hit.mask.any() {
-                    best.replace(lt8(hit.t, best.t), &Hit { primitive: numbers, ..hit });
+                    let closer = lt8(hit.t, best.t);
+                    if closer.any() {
+                        best.replace(closer, &Hit { primitive: numbers, ..hit });
+                    }
                 }
                 numbers += u32x8::splat(8);
             }

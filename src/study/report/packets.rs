@@ -22,36 +22,33 @@ pub(super) fn section(record: &Record, groups: &[Group]) -> Vec<String> {
          {IDEAL}× would be ideal. The *limit* is what the busiest class of a kernel's operations takes at least: counted operations, \
          as in the table above, times what such an operation was measured to take in the same run where it waits for nothing. \
          *Multiply and add* is all arithmetic together. Selections, logic and conversions are not counted, nor what the \
-         timed pass adds to keep the closest hit. The last column follows from \
-         gain = {IDEAL} × (share of the limit in packets) / (share in scalar code), the latter as if a scalar operation took as \
-         long as one on eight lanes: above 100 % it left work out, by exits and branches."
+         timed pass adds to keep the closest hit. Gain = {IDEAL} × (share of the limit in \
+         packets) / (share in scalar code), the latter as if a scalar operation took as long as one on eight lanes: above \
+         100 % it left work out, by exits and branches. *Hit*: share of the tests, eight at once or one, in which anything is \
+         hit; these go on to the end."
     )];
     parts.push(format!("![Gain of packets over scalar code, and share of the machine's limit]({PACKETS})"));
-    let header = [
-        "kernel",
-        "gain",
-        "limit ns",
-        "busiest",
-        "share",
-        "scalar share",
-        "hit 8x1",
-        "hit 1x1",
-        "why the gain is no more",
-    ];
+    let header = ["kernel", "gain", "limit ns", "busiest", "share", "scalar share", "hit 8x1", "hit 1x1"];
     let mut grid = Grid::new(1, header);
-    grid.rows.extend(kernels.iter().map(|kernel| row(record, kernel)));
+    grid.rows.extend(kernels.iter().map(|kernel| row(kernel)));
     parts.push(grid.markdown());
-    parts.push(
-        "*hit*: share of the tests, eight at once or one, in which anything is hit. These go on to the end.".to_owned(),
-    );
+    let explained = |kernel: &&Figures| Some(format!("- `{}`: {}", kernel.kernel.id, explanation(record, kernel)?));
+    let explanations: Vec<_> = kernels.iter().filter_map(explained).collect();
+    if !explanations.is_empty() {
+        parts.push(format!("### Why some gain less than {GOOD}×\n\n{}", explanations.join("\n")));
+    }
     if !record.rates.is_empty() {
-        parts.push("What operations on eight lanes take at least, in one thread:".to_owned());
+        parts.push(
+            "### What operations on eight lanes take at least\n\nIn one thread, with data in registers or, of loads, in the \
+             first-level cache:"
+                .to_owned(),
+        );
         parts.push(rates(&record.rates));
     }
     parts
 }
 
-fn row(record: &Record, kernel: &Figures) -> Vec<Cell> {
+fn row(kernel: &Figures) -> Vec<Cell> {
     let packet = kernel.packet();
     let hits = ["8x1", "1x1"].map(|face| percent(kernel.speed(face, 1).map(|row| row.hit_share)));
     let limit = packet.and_then(|row| Some(format!("{} of {}", number(row.limit_ns?, 3), number(row.ns_per_test, 3))));
@@ -66,30 +63,19 @@ fn row(record: &Record, kernel: &Figures) -> Vec<Cell> {
         Cell::from(percent(kernel.scalar_limit_share())),
         Cell::from(hit_packets),
         Cell::from(hit_rays),
-        Cell::from(explanation(record, kernel)),
     ]
 }
 
-/// Why packets gain less than they should, from what was counted and measured.
-fn explanation(record: &Record, kernel: &Figures) -> String {
-    let Some(gain) = kernel.gain().filter(|&gain| gain < GOOD) else { return String::new() };
-    let mut reasons = Vec::new();
+/// Why packets gain less than they should, where they do, from what was counted and measured.
+fn explanation(record: &Record, kernel: &Figures) -> Option<String> {
+    let gain = kernel.gain().filter(|&gain| gain < GOOD)?;
+    let mut reasons = vec![times(Some(gain))];
     if let (Some(packet), Some(scalar)) = (kernel.limit_share(), kernel.scalar_limit_share()) {
+        let [packets, rays] = [packet, scalar].map(|share| percent(Some(share)));
         reasons.push(if scalar > 1.0 {
-            format!("scalar code leaves work out ({} of its limit)", percent(Some(scalar)))
-        } else if scalar > packet {
-            format!(
-                "scalar code comes closer to its limit than packets: {} × {} / {}",
-                IDEAL,
-                percent(Some(packet)),
-                percent(Some(scalar))
-            )
+            format!("scalar code leaves work out ({rays} of its limit)")
         } else {
-            format!(
-                "packets come closer to their limit than scalar code, {} and {}",
-                percent(Some(packet)),
-                percent(Some(scalar))
-            )
+            format!("scalar code comes closer to its limit than packets: {IDEAL} × {packets} / {rays}")
         });
     }
     let hits = |face| kernel.speed(face, 1).map(|row| row.hit_share);
@@ -109,7 +95,7 @@ fn explanation(record: &Record, kernel: &Figures) -> String {
         let ratio = double.ns_per_operation / single.ns_per_operation;
         reasons.push(format!("eight lanes of `f64` take {} as long as of `f32`", times(Some(ratio))));
     }
-    if reasons.is_empty() { format!("{} of {IDEAL}", times(Some(gain))) } else { reasons.join("; ") }
+    Some(reasons.join("; "))
 }
 
 fn rates(rows: &[RateRow]) -> String {
@@ -133,7 +119,7 @@ mod tests {
     use crate::study::fixture::{all_ids, degenerate_records, record_of};
     use crate::study::summary;
 
-    fn explained(record: &Record, id: &str) -> String {
+    fn explained(record: &Record, id: &str) -> Option<String> {
         let groups = groups(record);
         let kernel = groups.iter().flat_map(|group| &group.kernels).find(|kernel| kernel.kernel.id == id).unwrap();
         explanation(record, kernel)
@@ -150,14 +136,19 @@ mod tests {
         };
         // The limit is 52 operations of 0.08 ns for eight tests.
         set(&mut record, 5.2, 1.04);
-        let text = explained(&record, "triangle/cramer");
-        assert!(text.contains("8 × 50 % / 80 %") && text.contains("5.2 times as many packets"), "{text}");
+        let text = explained(&record, "triangle/cramer").unwrap();
+        assert!(
+            text.starts_with("5.00×; scalar")
+                && text.contains("8 × 50 % / 80 %")
+                && text.contains("5.2 times as many packets"),
+            "{text}"
+        );
         assert!(!text.contains("f64"), "{text}");
-        assert!(explained(&record, "triangle/moller_trumbore_f64").contains("`f64` take 2.00× as long"));
+        assert!(explained(&record, "triangle/moller_trumbore_f64").unwrap().contains("`f64` take 2.00× as long"));
         set(&mut record, 3.0, 1.0);
-        assert!(explained(&record, "triangle/cramer").contains("leaves work out (139 % of its limit)"));
+        assert!(explained(&record, "triangle/cramer").unwrap().contains("leaves work out (139 % of its limit)"));
         set(&mut record, 7.1, 1.0);
-        assert_eq!(explained(&record, "triangle/cramer"), "");
+        assert_eq!(explained(&record, "triangle/cramer"), None);
     }
 
     #[test]
