@@ -225,6 +225,24 @@ mod tests {
     use crate::study::fixture::record_of;
 
     #[test]
+    fn modes_within_the_noise_of_the_fastest_are_among_the_fastest() {
+        let mut record = record_of(&[]);
+        let set = |record: &mut Record, mode: &str, mrays: f64| {
+            for row in record.tracer.iter_mut().filter(|row| row.mode == mode) {
+                // Two threads are not compared with one.
+                row.mrays_per_second = mrays * row.threads as f64;
+                row.mrays_per_second_mad = 0.1;
+            }
+        };
+        for (mode, mrays) in [("scalar", 2.0), ("single", 9.7), ("packet", 9.85), ("auto", 10.0)] {
+            set(&mut record, mode, mrays);
+        }
+        let traced = &Traced::all(&record)[0];
+        let fastest = |threads| modes().map(|mode| traced.is_among_the_fastest(traced.row(mode, threads).unwrap()));
+        assert_eq!([fastest(1), fastest(2)], [[false, false, true, true], [false, false, false, true]]);
+    }
+
+    #[test]
     fn more_threads_are_compared_with_one() {
         let mut record = record_of(&[]);
         for row in &mut record.tracer {
