@@ -34,6 +34,11 @@ impl Group<'_> {
         fastest_of(self.kernels.iter(), face)
     }
 
+    /// Whether a kernel of the group is one of these.
+    pub(super) fn is_among_the_fastest(&self, kernel: &Figures, face: &str) -> bool {
+        self.fastest(face).iter().any(|best| best.kernel.id == kernel.kernel.id)
+    }
+
     /// The title, with what the names lack where that is not the same.
     pub(super) fn heading(&self) -> String {
         let several_methods = !self.is_base() && !self.prefix.ends_with(&format!("/{}/", self.shape));
@@ -215,10 +220,15 @@ fn inner(id: &str) -> Option<&str> {
     id.splitn(3, '/').nth(2)
 }
 
+/// The family of what an instance is of.
+fn inner_family(id: &str) -> Option<&str> {
+    inner(id).and_then(|inner| inner.split('/').next())
+}
+
 impl MethodRow {
     /// What is hit in the end: the family, or that of the kernel inside an instance.
     pub(super) fn shape(&self) -> &str {
-        inner(&self.id).and_then(|inner| inner.split('/').next()).unwrap_or(&self.family)
+        inner_family(&self.id).unwrap_or(&self.family)
     }
 }
 
@@ -230,7 +240,7 @@ pub(super) fn tied(a: &SpeedRow, b: &SpeedRow) -> bool {
 fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a MethodRow>) -> Vec<Group<'a>> {
     let mut groups: Vec<(&str, Option<&str>, Vec<&MethodRow>)> = Vec::new();
     for kernel in kernels {
-        let key = (kernel.family.as_str(), inner(&kernel.id).and_then(|inner| inner.split('/').next()));
+        let key = (kernel.family.as_str(), inner_family(&kernel.id));
         match groups.iter_mut().find(|(family, inner, _)| (*family, *inner) == key) {
             Some((.., kernels)) => kernels.push(kernel),
             None => groups.push((key.0, key.1, vec![kernel])),

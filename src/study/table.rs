@@ -61,14 +61,12 @@ fn kernel_grid(record: &Record) -> Grid {
     grid.header.extend(["lost", "in", "ulp"].map(Cell::from));
     for group in groups_of_methods(record) {
         grid.rows.push(vec![Cell::from(group.heading())]);
-        let is_among = |fastest: &[&Figures], kernel: &Figures| fastest.iter().any(|best| std::ptr::eq(*best, kernel));
-        let [scalar, packet] = ["1x1", "8x1"].map(|face| group.fastest(face));
         let ulp = group.kernels.iter().filter_map(Figures::ulp).min();
         for kernel in &group.kernels {
             let mut row = vec![
                 Cell::from(format!("  {}", kernel.name)),
-                Cell::from(optional(kernel.ns("1x1"), 3)).best_if(is_among(&scalar, kernel)),
-                Cell::from(optional(kernel.ns("8x1"), 3)).best_if(is_among(&packet, kernel)),
+                Cell::from(optional(kernel.ns("1x1"), 3)).best_if(group.is_among_the_fastest(kernel, "1x1")),
+                Cell::from(optional(kernel.ns("8x1"), 3)).best_if(group.is_among_the_fastest(kernel, "8x1")),
                 Cell::from(times(kernel.gain())),
                 Cell::from(percent(kernel.limit_share())),
             ];

@@ -27,6 +27,7 @@ struct Column {
     end: f64,
     ticks: &'static [f64],
     mark: f64,
+    tick: fn(f64) -> String,
     value: fn(&Figures) -> Option<f64>,
     text: fn(Option<f64>) -> String,
 }
@@ -37,6 +38,7 @@ const COLUMNS: [Column; 2] = [
         end: 8.5,
         ticks: &[0.0, 2.0, 4.0, 6.0, 8.0],
         mark: 8.0,
+        tick: |gain| format!("{gain:.0}"),
         value: |kernel| kernel.gain(),
         text: times,
     },
@@ -45,6 +47,7 @@ const COLUMNS: [Column; 2] = [
         end: 1.06,
         ticks: &[0.0, 0.25, 0.5, 0.75, 1.0],
         mark: 1.0,
+        tick: |share| format!("{:.0}", 100.0 * share),
         value: |kernel| kernel.limit_share(),
         text: percent,
     },
@@ -94,8 +97,7 @@ impl Column {
             let marked = tick == self.mark;
             let style = if marked { INK.stroke_width(2) } else { GRID.stroke_width(1) };
             root.draw(&PathElement::new([(x, rows.start), (x, rows.end)], style))?;
-            let text = if self.mark == 1.0 { format!("{:.0}", 100.0 * tick) } else { format!("{tick:.0}") };
-            root.draw_text(&text, &centered(label(TEXT, INK)), (x, rows.end + 10))?;
+            root.draw_text(&(self.tick)(tick), &centered(label(TEXT, INK)), (x, rows.end + 10))?;
         }
         let middle = left + self.place(self.mark, plot) / 2;
         root.draw_text(self.title, &centered(label(TEXT, INK)), (middle, rows.end + 28))

@@ -215,12 +215,11 @@ fn kernel_table(groups: &[Group]) -> String {
     let header = ["kernel", "1x1 ns", "8x1 ns", "1x8 ns", "bytes", "setup bytes", "setup ns", "operations", "claims"];
     let mut grid = Grid::new(1, header);
     for group in groups {
-        let fastest = ["1x1", "8x1", "1x8"].map(|face| (face, group.fastest(face)));
         for kernel in &group.kernels {
             let mut row = vec![code(&kernel.kernel.id)];
-            row.extend(fastest.each_ref().map(|(face, fastest)| {
+            row.extend(["1x1", "8x1", "1x8"].map(|face| {
                 let time = kernel.speed(face, 1).map_or(MISSING.to_owned(), with_mad);
-                Cell::from(time).best_if(fastest.iter().any(|best| std::ptr::eq(*best, kernel)))
+                Cell::from(time).best_if(group.is_among_the_fastest(kernel, face))
             }));
             let info = kernel.kernel;
             let claims = if info.claims.is_empty() { MISSING.to_owned() } else { info.claims.join(", ") };
