@@ -103,9 +103,9 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
     // Many short samples: whatever else the machine does then falls on some of them, and the median is of the others.
-    let (samples, sample_seconds) = if options.quick { (3, 0.0005) } else { (61, 0.0025) };
+    let samples = if options.quick { 3 } else { 61 };
     let mut rates = Rates::new();
-    let speed_rows = speed.measure(samples, sample_seconds, &thread_counts, &mut |share| {
+    let speed_rows = speed.measure(samples, &thread_counts, &mut |share| {
         rates.sample();
         of_speed.reach(share);
     })?;
