@@ -241,13 +241,14 @@ pub fn sign_bit8(a: f32x8) -> Mask8 {
 /// also by an infinite interval.
 #[inline(always)]
 pub fn accepts(t_min: f32, t: f32, t_max: f32) -> bool {
-    (t >= t_min) & (t <= t_max) & (t.abs() < f32::INFINITY)
+    (t >= max(-f32::MAX, t_min)) & (t <= min(f32::MAX, t_max))
 }
 
 /// [`accepts`] in eight lanes.
 #[inline(always)]
 pub fn accepts8(t_min: f32x8, t: f32x8, t_max: f32x8) -> Mask8 {
-    ge8(t, t_min) & le8(t, t_max) & lt8(t.abs(), f32x8::splat(f32::INFINITY))
+    let most = f32x8::splat(f32::MAX);
+    ge8(t, max8(-most, t_min)) & le8(t, min8(most, t_max))
 }
 
 /// The square root, correctly rounded; NaN below -0.

@@ -122,12 +122,8 @@ where
             let mut best = Hit::<f32x8>::miss();
             for (number, primitive) in self.primitives.iter().enumerate() {
                 let hit = primitive.closest_hit(packet, &setup);
-                if hit.mask.any() {
-                    let closer = lt8(hit.t, best.t);
-                    if closer.any() {
-                        best.replace(closer, &Hit { primitive: u32x8::splat(number as u32), ..hit });
-                    }
-                }
+                let closer = lt8(hit.t, best.t);
+                best.replace(closer, &Hit { primitive: u32x8::splat(number as u32), ..hit });
             }
             best.write(hits);
         }
@@ -142,12 +138,8 @@ where
             let mut numbers = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             for group in &self.groups {
                 let hit = group.closest_hit(&ray, &setup);
-                if hit.mask.any() {
-                    let closer = lt8(hit.t, best.t);
-                    if closer.any() {
-                        best.replace(closer, &Hit { primitive: numbers, ..hit });
-                    }
-                }
+                let closer = lt8(hit.t, best.t);
+                best.replace(closer, &Hit { primitive: numbers, ..hit });
                 numbers += u32x8::splat(8);
             }
             *hit = best.closest();

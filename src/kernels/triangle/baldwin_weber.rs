@@ -22,8 +22,8 @@
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
-use super::normal;
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8};
+use super::{normal, within, within8};
+use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -104,8 +104,10 @@ impl Intersect<f32> for BaldwinWeber<f32> {
         let v = self.v.dot(p) + self.v0;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-        Hit::<f32>::new(inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        if !within(u, v) {
+            return Hit::MISS;
+        }
+        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -119,7 +121,6 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let (row_u, row_v, row_n) = (P::widen_vec3(self.u), P::widen_vec3(self.v), P::widen_vec3(self.n));
         let (u0, v0, n0) = (self.u0.widen(), self.v0.widen(), self.n0.widen());
-        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
         let t = -(row_n.dot(ray.origin) + n0) / row_n.dot(ray.dir);
@@ -128,7 +129,7 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
         let v = row_v.dot(p) + v0;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
+        let inside = within8(u, v);
         Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -20,8 +20,8 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::Vertices;
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, ne8};
+use super::{Vertices, within, within8};
+use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
@@ -90,12 +90,11 @@ impl Intersect<f32> for Cramer<f32> {
         let v = determinant(a, s, ray.dir) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-        if !inside {
+        if !within(u, v) {
             return Hit::MISS;
         }
         let t = determinant(a, b, s) / det;
-        Hit::<f32>::new((det != 0.0) & inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -108,7 +107,6 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let Vertices { v0, v1, v2 } = self.0.widen();
-        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
@@ -117,11 +115,8 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
         let v = determinant8(a, s, ray.dir) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
-        if !inside.any() {
-            return Hit::<f32x8>::miss();
-        }
+        let inside = within8(u, v);
         let t = determinant8(a, b, s) / det;
-        Hit::<f32x8>::new(ne8(det, zero) & inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

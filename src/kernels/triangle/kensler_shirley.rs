@@ -22,8 +22,8 @@
 
 use wide::f32x8;
 
-use super::normal;
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, ne8};
+use super::{normal, within, within8};
+use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -88,12 +88,11 @@ impl Intersect<f32> for KenslerShirley<f32> {
         let v = r.dot(e1) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-        if !inside {
+        if !within(u, v) {
             return Hit::MISS;
         }
         let t = n.dot(c) * inv_det;
-        Hit::<f32>::new((det != 0.0) & inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -107,22 +106,18 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let (v0, n) = (P::widen_vec3(self.v0), P::widen_vec3(self.n));
         let (e1, e2) = (P::widen_vec3(self.e1), P::widen_vec3(self.e2));
-        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);
         let det = n.dot(ray.dir);
-        let inv_det = one / det;
+        let inv_det = f32x8::ONE / det;
 
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
-        if !inside.any() {
-            return Hit::<f32x8>::miss();
-        }
+        let inside = within8(u, v);
         let t = n.dot(c) * inv_det;
-        Hit::<f32x8>::new(ne8(det, zero) & inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -19,7 +19,8 @@
 
 use wide::f32x8;
 
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, ne8};
+use super::{within, within8};
+use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -81,12 +82,11 @@ impl Intersect<f32> for MollerTrumbore<f32> {
         let v = ray.dir.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-        if !inside {
+        if !within(u, v) {
             return Hit::MISS;
         }
         let t = e2.dot(q) * inv_det;
-        Hit::<f32>::new((det != 0.0) & inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -99,11 +99,10 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let (v0, e1, e2) = (P::widen_vec3(self.v0), P::widen_vec3(self.e1), P::widen_vec3(self.e2));
-        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
 
         let p = ray.dir.cross(e2);
         let det = e1.dot(p);
-        let inv_det = one / det;
+        let inv_det = f32x8::ONE / det;
 
         let s = ray.origin - v0;
         let u = s.dot(p) * inv_det;
@@ -111,11 +110,8 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
         let v = ray.dir.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = ge8(u, zero) & ge8(v, zero) & le8(u + v, one);
-        if !inside.any() {
-            return Hit::<f32x8>::miss();
-        }
+        let inside = within8(u, v);
         let t = e2.dot(q) * inv_det;
-        Hit::<f32x8>::new(ne8(det, zero) & inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -121,9 +121,6 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge8(u, zero) & ge8(v, zero) & ge8(w, zero)) | (le8(u, zero) & le8(v, zero) & le8(w, zero));
-        if !inside.any() {
-            return Hit::<f32x8>::miss();
-        }
         let inv_sum = one / (u + v + w);
         let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);

@@ -121,9 +121,6 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
             weights = sheared.exact_weights(weights);
             inside = Inside8::of(weights);
         }
-        if !inside.closed.any() {
-            return Hit::<f32x8>::miss();
-        }
         sheared.hit(inside.closed, weights, ray, setup)
     }
 }

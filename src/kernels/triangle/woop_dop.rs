@@ -114,9 +114,6 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
         let inside = Inside8::of(weights).closed;
-        if !inside.any() {
-            return Hit::<f32x8>::miss();
-        }
         sheared.hit(inside, weights, ray, setup)
     }
 }

@@ -159,9 +159,6 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
         if signs.doubtful().any() {
             (inside, weights) = moved_inside8(sheared, weights);
         }
-        if !inside.any() {
-            return Hit::<f32x8>::miss();
-        }
         sheared.hit(inside, weights, ray, setup)
     }
 }
