@@ -20,7 +20,7 @@ impl<S: Subject> Visitor<S> for Benches<'_> {
             group.throughput(Throughput::Elements((RAYS * PRIMITIVES) as u64));
             let bench = Bench::<K>::new(workload, 2026);
             for face in Face::ALL {
-                let mut hits = [Hit::MISS; RAYS];
+                let mut hits = vec![Hit::MISS; RAYS];
                 group.bench_function(face.name(), |timer| {
                     timer.iter(|| black_box(&bench).pass(face, black_box(&mut hits)));
                 });

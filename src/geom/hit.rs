@@ -41,6 +41,12 @@ impl Hit<f32> {
         if mask { Self { mask, t, u, v, primitive: 0, instance: 0 } } else { Self::MISS }
     }
 
+    /// [`Hit::new`] without a branch, for a `mask` that is as often set as not: whoever compares `t` next need not know which.
+    #[inline(always)]
+    pub fn select(mask: bool, t: f32, u: f32, v: f32) -> Self {
+        Self { t: core::hint::select_unpredictable(mask, t, f32::INFINITY), ..Self::new(mask, t, u, v) }
+    }
+
     /// The bits of `t`, `u`, `v`, and the numbers of primitive and instance. They determine the mask.
     #[inline]
     pub fn to_bits(&self) -> [u32; 5] {

@@ -241,6 +241,7 @@ pub fn sign_bit8(a: f32x8) -> Mask8 {
 /// also by an infinite interval.
 #[inline(always)]
 pub fn accepts(t_min: f32, t: f32, t_max: f32) -> bool {
+    // The ends are made finite once for a ray, where a look at `t` itself would be taken for every primitive.
     (t >= max(-f32::MAX, t_min)) & (t <= min(f32::MAX, t_max))
 }
 
@@ -548,6 +549,24 @@ mod tests {
         same_masks("ne", |a, b| a != b, ne8);
         same_masks("sign_bit", |a, _| sign_bit(a), |a, _| sign_bit8(a));
         same_masks("accepts", |a, b| accepts(-1.0, a, b), |a, b| accepts8(f32x8::splat(-1.0), a, b));
+    }
+
+    #[test]
+    fn what_is_accepted_is_finite_and_within() {
+        for t in SHARP {
+            for a in SHARP {
+                for b in SHARP {
+                    let expected = (t >= a) & (t <= b) & t.is_finite();
+                    assert_eq!(accepts(a, t, b), expected, "{t:?} within {a:?} and {b:?}");
+                    let eight = accepts8(f32x8::splat(a), f32x8::splat(t), f32x8::splat(b));
+                    assert_eq!(
+                        eight.bits(),
+                        if expected { 0xff } else { 0 },
+                        "eight times {t:?} within {a:?} and {b:?}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

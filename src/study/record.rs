@@ -339,7 +339,7 @@ pub struct SpeedRow {
     pub tests_per_second: f64,
     /// Number of samples.
     pub samples: usize,
-    /// Share of the tests, taken 1 or 8 at once, in which anything was hit: of those that went on to the end.
+    /// Share of the tests, taken 1 or 8 at once, in which anything was hit.
     pub hit_share: f64,
     /// Hash over the bits of every hit; equal for all faces and thread counts, or the study fails.
     pub checksum: String,

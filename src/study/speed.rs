@@ -21,7 +21,7 @@ use wide::{f32x8, u32x8};
 
 use super::record::{MethodRow, SpeedRow};
 use super::stats::{mad, median};
-use super::workload::{Subject, Workload, rng};
+use super::workload::{RAYS_PER_SAMPLE, Subject, Workload, rng};
 use crate::geom::lanes::lt8;
 use crate::geom::{Hit, Ray};
 use crate::kernels::{Intersect, Kernel, Shape};
@@ -81,12 +81,10 @@ where
             primitives.extend(sample.shapes.iter().map(K::prepare));
             samples.push(sample);
         }
-        let shares: Vec<_> = samples.iter().map(|sample| sample.rays.chunks_exact(2 * sample.shapes.len())).collect();
-        let turns = shares.iter().map(ExactSizeIterator::len).min().expect("there is a sample");
-        let rays: Vec<_> = (0..turns)
-            .flat_map(|turn| shares.iter().flat_map(move |share| share.clone().nth(turn).expect("so many")))
-            .copied()
-            .collect();
+        let share = 2 * samples[0].shapes.len();
+        let turns = (0..RAYS_PER_SAMPLE / share).map(|turn| share * turn..share * (turn + 1));
+        let rays: Vec<_> =
+            turns.flat_map(|turn| samples.iter().flat_map(move |one| &one.rays[turn.clone()])).copied().collect();
         let groups = primitives.chunks_exact(8).map(|eight| K::gather(eight.try_into().expect("groups of eight")));
         let packets = rays.chunks_exact(8).map(Ray::from_slice);
         Self { groups: groups.collect(), packets: packets.collect(), primitives, rays }
@@ -384,4 +382,34 @@ fn timed(job: &Job, threads: usize) -> (f64, Vec<u64>) {
     let start = done.iter().map(|(start, ..)| *start).min().expect("there is a thread");
     let end = done.iter().map(|(_, end, _)| *end).max().expect("there is a thread");
     ((end - start).as_secs_f64(), done.into_iter().map(|(.., sum)| sum).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    struct Benches;
+
+    impl<S: Subject> Visitor<S> for Benches {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
+            for workload in Workload::ALL {
+                let bench = Bench::<K>::new(workload, 3);
+                let of =
+                    |ray: &Ray<f32>| [ray.origin, ray.dir].map(|vector| vector.to_array().map(f32::to_bits)).concat();
+                let rays: Vec<_> = bench.sets.iter().chain([&bench.other]).flat_map(|set| &set.rays).map(of).collect();
+                assert_eq!(rays.len(), RAYS + bench.other.rays.len(), "{}", K::INFO.id);
+                let different = rays.iter().collect::<HashSet<_>>().len();
+                // On a grid some are the same.
+                let least = if workload == Workload::Generic { 1.0 } else { 0.9 };
+                assert!(different as f64 >= least * rays.len() as f64, "{}: {different} of {}", K::INFO.id, rays.len());
+            }
+        }
+    }
+
+    #[test]
+    fn no_ray_is_timed_twice() {
+        crate::registry::all(&mut Benches);
+    }
 }

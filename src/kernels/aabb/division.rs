@@ -74,7 +74,7 @@ impl Intersect<f32> for Division<f32> {
             exit = if t_far < exit { t_far } else { exit };
             ordered &= !t_near.is_nan() & !t_far.is_nan();
         }
-        Hit::<f32>::new(ordered & (entry <= exit), entry, exit, 0.0)
+        Hit::<f32>::select(ordered & (entry <= exit), entry, exit, 0.0)
     }
 }
 

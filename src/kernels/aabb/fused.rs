@@ -91,7 +91,7 @@ impl Intersect<f32> for Fused<f32> {
             entry = max(mul_add(near, inv, offset), entry);
             exit = min(mul_add(far, inv, offset), exit);
         }
-        Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
+        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 

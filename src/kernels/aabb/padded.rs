@@ -84,7 +84,7 @@ impl Intersect<f32> for Padded<f32> {
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let (entry, exit) = slab_interval(&self.0, ray.origin, setup);
         let exit = pad(exit, setup.t_max);
-        Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
+        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 

@@ -79,7 +79,7 @@ impl Intersect<f32> for Reciprocal<f32> {
             entry = max(min(t_lo, t_hi), entry);
             exit = min(max(t_lo, t_hi), exit);
         }
-        Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
+        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 

@@ -61,7 +61,7 @@ impl Intersect<f32> for SignSelected<f32> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let (entry, exit) = slab_interval(&self.0, ray.origin, setup);
-        Hit::<f32>::new(entry <= exit, entry, exit, 0.0)
+        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 

@@ -14,8 +14,8 @@
 //!
 //! **Degenerate input:** a zero determinant (parallel ray, zero area seen exactly) is a miss; there is no epsilon.
 //!
-//! **Operations:** 36 multiplications, 30 additions, 3 divisions, 7 comparisons. Nothing is prepared: a primitive is its 9
-//! coordinates.
+//! **Operations:** 36 multiplications, 30 additions, 3 divisions, 5 minima and comparisons. Nothing is prepared: a
+//! primitive is its 9 coordinates.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -37,7 +37,7 @@ impl Kernel for Cramer<f32> {
         id: Id::of("triangle/cramer"),
         idea: "β, γ and t from four 3×3 determinants",
         source: "Shirley, Marschner, \"Fundamentals of Computer Graphics\"; Snyder, Barr, 1987",
-        operations: Operations { mul: 36, add: 30, compare: 7, div: 3, reads: 9, ..Operations::NONE },
+        operations: Operations { mul: 36, add: 30, compare: 5, div: 3, reads: 9, ..Operations::NONE },
         setup: Operations::NONE,
         claims: &[],
     };

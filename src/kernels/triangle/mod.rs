@@ -1,6 +1,10 @@
 //! Triangles. A hit satisfies `origin + t·dir = v0 + u·(v1 - v0) + v·(v2 - v0)`: three equations, three unknowns. The
 //! textbook's barycentrics β and γ are `u` and `v`. Both sides hit; edges and vertices belong to the triangle
 //! (`u >= 0`, `v >= 0`, `u + v <= 1`), and every kernel says what becomes of that under rounding.
+//!
+//! A scalar twin returns as soon as the ray is known to pass beside, which most do. A packet goes on to the end: whether any
+//! of eight unlike rays is inside, no processor foresees. With an exit, packets were 0.49 to 0.73 times as fast, and whole
+//! scenes 0.87 to 1.04.
 
 mod baldwin_weber;
 mod cramer;
@@ -28,7 +32,7 @@ use glam::{DVec3, Vec3};
 use wide::f32x8;
 
 use crate::geom::Triangle;
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, min, min8};
+use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, le8, max, max8, min, min8};
 use crate::kernels::aabb::Slabs;
 
 /// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
@@ -84,15 +88,87 @@ fn normal(shape: &Triangle) -> DVec3 {
     (v1 - v0).cross(v2 - v0)
 }
 
-/// Whether `u >= 0`, `v >= 0` and `u + v <= 1`; not with a NaN, which the last minimum hands on. As one comparison it becomes
-/// one branch: rustc makes three of three, and as most rays miss by any of them, a processor foresees none.
+/// Whether `u >= 0`, `v >= 0` and `u + v <= 1`; not with a NaN, which the last minimum hands on. One comparison makes one
+/// branch: of three, rustc 1.95 makes three, each of which is as often taken as not, and kernels took 2.0 to 2.5 times as long.
 #[inline(always)]
 fn within(u: f32, v: f32) -> bool {
     min(min(u, v), 1.0 - (u + v)) >= 0.0
 }
 
-/// [`within`] in eight lanes.
+/// [`within`] in eight lanes, where nothing branches and the shorter way is the faster.
 #[inline(always)]
 fn within8(u: f32x8, v: f32x8) -> Mask8 {
-    ge8(min8(min8(u, v), f32x8::ONE - (u + v)), f32x8::ZERO)
+    ge8(min8(u, v), f32x8::ZERO) & le8(u + v, f32x8::ONE)
+}
+
+/// How clearly all three weights have one sign: positive where they do, zero where one or more of them are zero and the rest
+/// agree, negative where two differ. A NaN among them may go unnoticed: what is computed with them is NaN as well.
+#[inline(always)]
+fn agreement([u, v, w]: [f32; 3]) -> f32 {
+    let (least, greatest) = (min(min(u, v), w), max(max(u, v), w));
+    max(least, -greatest)
+}
+
+/// [`agreement`] in eight lanes.
+#[inline(always)]
+fn agreement8([u, v, w]: [f32x8; 3]) -> f32x8 {
+    let (least, greatest) = (min8(min8(u, v), w), max8(max8(u, v), w));
+    max8(least, -greatest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers about the bounds of a triangle, and what is none.
+    const SHARP: [f32; 16] = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        0.5,
+        0.5 - f32::EPSILON / 4.0,
+        0.5 + f32::EPSILON / 2.0,
+        1.0 + f32::EPSILON,
+        1.0 - f32::EPSILON / 2.0,
+        f32::EPSILON / 4.0,
+        1e-45,
+        -1e-45,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+    ];
+
+    #[test]
+    fn within_is_its_three_comparisons() {
+        for u in SHARP {
+            for v in SHARP {
+                let expected = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
+                assert_eq!(within(u, v), expected, "{u:?}, {v:?}");
+                let eight = within8(f32x8::splat(u), f32x8::splat(v)).bits();
+                assert_eq!(eight, if expected { 0xff } else { 0 }, "eight times {u:?}, {v:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn weights_agree_where_no_two_signs_differ() {
+        let numbers: Vec<f32> = SHARP.into_iter().filter(|number| !number.is_nan()).collect();
+        for &u in &numbers {
+            for &v in &numbers {
+                for &w in &numbers {
+                    let weights = [u, v, w];
+                    let agree =
+                        weights.iter().all(|&weight| weight >= 0.0) | weights.iter().all(|&weight| weight <= 0.0);
+                    let found = agreement(weights);
+                    assert_eq!(found >= 0.0, agree, "{weights:?}");
+                    assert_eq!(found == 0.0, agree & weights.contains(&0.0), "{weights:?}");
+                    for lane in agreement8(weights.map(f32x8::splat)).to_array() {
+                        assert_eq!(lane.to_bits(), found.to_bits(), "eight times {weights:?}");
+                    }
+                }
+            }
+        }
+    }
 }

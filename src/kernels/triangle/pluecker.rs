@@ -20,12 +20,12 @@
 //!
 //! **Degenerate input:** the prepared normal of a triangle of zero area is exactly zero, so `t` divides by zero.
 //!
-//! **Operations:** 35 multiplications, 49 additions, 2 divisions, 10 comparisons. 48 bytes prepared.
+//! **Operations:** 35 multiplications, 49 additions, 2 divisions, 9 minima, maxima and comparisons. 48 bytes prepared.
 
 use wide::f32x8;
 
-use super::{Vertices, normal};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, le8, lt8};
+use super::{Vertices, agreement, agreement8, normal};
+use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -44,7 +44,7 @@ impl Kernel for Pluecker<f32> {
         id: Id::of("triangle/pluecker"),
         idea: "edge functions of vertices relative to the origin, exactly antisymmetric",
         source: "Wald, Woop, Benthin, Johnson, Ernst, \"Embree\", 2014 (its robust test)",
-        operations: Operations { mul: 35, add: 49, compare: 10, div: 2, reads: 12, ..Operations::NONE },
+        operations: Operations { mul: 35, add: 49, compare: 9, div: 2, reads: 12, ..Operations::NONE },
         setup: Operations::NONE,
         claims: &[Claim::EdgeWatertight],
     };
@@ -87,17 +87,16 @@ impl Intersect<f32> for Pluecker<f32> {
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
-        // Each test is true for a hit, so a NaN is always a miss.
-        let inside = ((u >= 0.0) & (v >= 0.0) & (w >= 0.0)) | ((u <= 0.0) & (v <= 0.0) & (w <= 0.0));
+        let inside = agreement([u, v, w]) >= 0.0;
         if !inside {
             return Hit::MISS;
         }
         let inv_sum = 1.0 / (u + v + w);
         let t = self.n.dot(a) / self.n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
-        // Not where all three are zero, nor where they overflow.
+        // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = (u + v).abs() < f32::INFINITY;
-        Hit::<f32>::new(inside & numbers & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(numbers & accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -110,7 +109,6 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let n = P::widen_vec3(self.n);
-        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
         let Vertices { v0, v1, v2 } = self.vertices.widen();
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
@@ -119,12 +117,11 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
-        // Each test is true for a hit, so a NaN is always a miss.
-        let inside = (ge8(u, zero) & ge8(v, zero) & ge8(w, zero)) | (le8(u, zero) & le8(v, zero) & le8(w, zero));
-        let inv_sum = one / (u + v + w);
+        let inside = ge8(agreement8([u, v, w]), f32x8::ZERO);
+        let inv_sum = f32x8::ONE / (u + v + w);
         let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
-        // Not where all three are zero, nor where they overflow.
+        // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
         Hit::<f32x8>::new(inside & numbers & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }

@@ -31,16 +31,14 @@
 //! 1,840,000 aimed at edges, 22; of 3,730,000 aimed inside, none; of 1,560,000 aimed at a vertex and past it by
 //! rounding, 72 %, since the rounded vertex is then exactly on the ray.
 //!
-//! **Operations:** 19 multiplications, 22 additions, 1 division, 11 minima, maxima and comparisons; setup 3 divisions. 36
+//! **Operations:** 19 multiplications, 22 additions, 1 division, 9 minima, maxima and comparisons; setup 3 divisions. 36
 //! bytes prepared.
 
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Vertices, normal};
-use crate::geom::lanes::{
-    Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, gt8, le8, lt8, max, max8, min, min8, to_f32x8, to_f64x8,
-};
+use super::{Vertices, agreement, agreement8, normal};
+use crate::geom::lanes::{Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -56,7 +54,7 @@ impl Kernel for Woop<f32> {
         id: Id::of("triangle/woop"),
         idea: "shear the ray to an axis, then exact signs of 2×2 determinants of the rounded vertices",
         source: "Woop, Benthin, Wald, \"Watertight Ray/Triangle Intersection\", 2013",
-        operations: Operations { mul: 19, add: 22, compare: 11, div: 1, reads: 9, ..Operations::NONE },
+        operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
         setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
     };
@@ -92,15 +90,12 @@ impl Intersect<f32> for Woop<f32> {
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
-        let mut inside = Inside::of(weights);
-        if inside.doubtful() {
+        let mut signs = agreement(weights);
+        if signs == 0.0 {
             weights = sheared.exact_weights(weights);
-            inside = Inside::of(weights);
+            signs = agreement(weights);
         }
-        if !inside.closed {
-            return Hit::MISS;
-        }
-        sheared.hit(inside.closed, weights, ray, setup)
+        sheared.hit(signs >= 0.0, weights, ray, setup)
     }
 }
 
@@ -116,12 +111,12 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
     fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
-        let mut inside = Inside8::of(weights);
-        if inside.doubtful().any() {
+        let mut signs = agreement8(weights);
+        if eq8(signs, f32x8::ZERO).any() {
             weights = sheared.exact_weights(weights);
-            inside = Inside8::of(weights);
+            signs = agreement8(weights);
         }
-        sheared.hit(inside.closed, weights, ray, setup)
+        sheared.hit(ge8(signs, f32x8::ZERO), weights, ray, setup)
     }
 }
 
@@ -317,12 +312,15 @@ impl Sheared {
 
     #[inline(always)]
     pub(super) fn hit(&self, inside: bool, weights: [f32; 3], ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+        if !inside {
+            return Hit::MISS;
+        }
         let [u, v, w] = weights;
         let inv_det = 1.0 / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
         // A NaN in any of the three arrives here, and is a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
-        Hit::<f32>::new(inside & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -368,51 +366,5 @@ impl Sheared8 {
         // A NaN in any of the three arrives here, and is a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
         Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
-    }
-}
-
-/// What the signs of the three weights say. A NaN among them may go unnoticed: it makes `t` NaN.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Inside {
-    /// No two signs differ, of which one or more may be zero.
-    pub(super) closed: bool,
-    /// All signs are the same, and none is zero.
-    pub(super) open: bool,
-}
-
-/// [`Inside`] in eight lanes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Inside8 {
-    pub(super) closed: Mask8,
-    pub(super) open: Mask8,
-}
-
-impl Inside {
-    #[inline(always)]
-    pub(super) fn of([u, v, w]: [f32; 3]) -> Self {
-        let (least, greatest) = (min(min(u, v), w), max(max(u, v), w));
-        Self { closed: (least >= 0.0) | (greatest <= 0.0), open: (least > 0.0) | (greatest < 0.0) }
-    }
-
-    /// Whether the outcome hangs on a zero.
-    #[inline(always)]
-    pub(super) fn doubtful(self) -> bool {
-        self.closed & !self.open
-    }
-}
-
-impl Inside8 {
-    /// [`Inside::of`] in eight lanes.
-    #[inline(always)]
-    pub(super) fn of([u, v, w]: [f32x8; 3]) -> Self {
-        let (least, greatest) = (min8(min8(u, v), w), max8(max8(u, v), w));
-        let zero = f32x8::ZERO;
-        Self { closed: ge8(least, zero) | le8(greatest, zero), open: gt8(least, zero) | lt8(greatest, zero) }
-    }
-
-    /// [`Inside::doubtful`] in eight lanes.
-    #[inline(always)]
-    pub(super) fn doubtful(self) -> Mask8 {
-        self.closed & !self.open
     }
 }

@@ -15,15 +15,15 @@
 //! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be
 //! subnormal, so the range below ends at products of 1e-31.
 //!
-//! **Operations:** 22 multiplications, 28 additions, 1 division, 9 minima, maxima and comparisons; 6 are fused pairs of
+//! **Operations:** 22 multiplications, 28 additions, 1 division, 8 minima, maxima and comparisons; 6 are fused pairs of
 //! both; setup 3 divisions. 36 bytes prepared. It exists only where the build has fused multiply-add.
 
 use glam::Vec3;
 use wide::f32x8;
 
-use super::Vertices;
-use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, prepare};
-use crate::geom::lanes::{Lanes, Vec3x8, mul_add, mul_add8};
+use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
+use super::{Vertices, agreement, agreement8};
+use crate::geom::lanes::{Lanes, Vec3x8, ge8, mul_add, mul_add8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -39,7 +39,7 @@ impl Kernel for WoopDop<f32> {
         id: Id::of("triangle/woop_dop"),
         idea: "watertight shear, signs by Kahan's difference of products: no branch",
         source: "Woop, Benthin, Wald, 2013; Jeannerod, Louvet, Muller, \"Further analysis of Kahan's algorithm\", 2013",
-        operations: Operations { mul: 22, add: 28, compare: 9, div: 1, reads: 9, fused: 6, ..Operations::NONE },
+        operations: Operations { mul: 22, add: 28, compare: 8, div: 1, reads: 9, fused: 6, ..Operations::NONE },
         setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
     };
@@ -92,11 +92,7 @@ impl Intersect<f32> for WoopDop<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
-        let inside = Inside::of(weights).closed;
-        if !inside {
-            return Hit::MISS;
-        }
-        sheared.hit(inside, weights, ray, setup)
+        sheared.hit(agreement(weights) >= 0.0, weights, ray, setup)
     }
 }
 
@@ -113,7 +109,6 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
-        let inside = Inside8::of(weights).closed;
-        sheared.hit(inside, weights, ray, setup)
+        sheared.hit(ge8(agreement8(weights), f32x8::ZERO), weights, ray, setup)
     }
 }

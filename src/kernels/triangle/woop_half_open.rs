@@ -27,8 +27,8 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::Vertices;
-use super::woop::{Inside, Inside8, Shear, Shear8, Sheared, Sheared8, prepare};
+use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
+use super::{Vertices, agreement, agreement8};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
@@ -45,7 +45,7 @@ impl Kernel for WoopHalfOpen<f32> {
         id: Id::of("triangle/woop_half_open"),
         idea: "watertight shear, with the ray moved by an infinitesimal so that it meets no edge",
         source: "Woop, Benthin, Wald, 2013; Edelsbrunner, Mücke, \"Simulation of Simplicity\", 1990",
-        operations: Operations { mul: 19, add: 22, compare: 11, div: 1, reads: 9, ..Operations::NONE },
+        operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
         setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit],
     };
@@ -128,15 +128,10 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
     fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
-        let signs = Inside::of(weights);
-        // Not `signs.open`, which says the same here: most triangles are missed, and rustc 1.95 branches on the one but
-        // not on the other, after which 1x1 took 1.5 times as long.
-        let mut inside = signs.closed;
-        if signs.doubtful() {
+        let signs = agreement(weights);
+        let mut inside = signs > 0.0;
+        if signs == 0.0 {
             (inside, weights) = moved_inside(sheared, weights);
-        }
-        if !inside {
-            return Hit::MISS;
         }
         sheared.hit(inside, weights, ray, setup)
     }
@@ -154,9 +149,9 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
     fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
-        let signs = Inside8::of(weights);
-        let mut inside = signs.closed;
-        if signs.doubtful().any() {
+        let signs = agreement8(weights);
+        let mut inside = gt8(signs, f32x8::ZERO);
+        if eq8(signs, f32x8::ZERO).any() {
             (inside, weights) = moved_inside8(sheared, weights);
         }
         sheared.hit(inside, weights, ray, setup)

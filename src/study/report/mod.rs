@@ -94,9 +94,9 @@ const METHOD: &str = "\
 
 **What a test is.** Rays find their closest hit among a small set of primitives, as in the leaf of a tracer, with everything \
 in the first-level cache. The time per test is that of the whole, divided by rays times primitives: loading, the test, \
-keeping the closer hit by blends, and each ray's setup, spread over the primitives. Missing are the cache misses and \
-mispredicted branches of a real traversal: expect kernels to differ less in a tracer than here, and one with many prepared \
-bytes to do worse.
+keeping the closer hit by blends, and each ray's setup, spread over the primitives. No rays are timed twice in a row: what \
+a processor remembers of branches is no help, here as in a tracer. Missing are the cache misses of a real traversal: expect \
+kernels to differ less in a tracer than here, and one with many prepared bytes to do worse.
 
 **What is compared.** Times are medians of repeated samples, those of all kernels interleaved, with their median absolute \
 deviation (MAD). Two kernels tie where their medians differ by no more than the sum of both. Other programs may share the \
