@@ -7,7 +7,7 @@ use super::lanes::{Lanes, Mask8, eq8, min};
 /// Outcome of intersecting one ray (`Hit<f32>`) or a packet (`Hit<f32x8>`).
 ///
 /// A lane that misses holds exactly [`Hit::MISS`], so two hits are identical when their bits are
-/// ([`Hit::to_bits`]); a hit never holds a NaN.
+/// ([`Hit::to_bits`]); a hit never holds a NaN. Only a [candidate](Hit::candidate) may hold anything where it misses.
 ///
 /// | shape | `t` | `u`, `v` |
 /// | --- | --- | --- |
@@ -69,17 +69,32 @@ impl Hit<f32x8> {
         Self::new(Mask8::none(), f32x8::ZERO, f32x8::ZERO, f32x8::ZERO)
     }
 
+    /// A hit of primitive 0 in the lanes of `mask`; the others hold what they are given, and are no hits. To replace all of them by
+    /// [`Hit::MISS`] for every primitive made packets 0.84 to 1.01 times as fast.
+    #[inline(always)]
+    pub fn candidate(mask: Mask8, t: f32x8, u: f32x8, v: f32x8) -> Self {
+        let number = u32x8::splat(0);
+        Self { mask, t, u, v, primitive: number, instance: number }
+    }
+
     /// A hit of primitive 0 in the lanes of `mask`, [`Hit::MISS`] in the others.
     #[inline(always)]
     pub fn new(mask: Mask8, t: f32x8, u: f32x8, v: f32x8) -> Self {
-        let number = mask.select_u32(u32x8::splat(0), u32x8::splat(u32::MAX));
+        Self::candidate(mask, t, u, v).or_miss()
+    }
+
+    /// [`Hit::MISS`] in the lanes that miss.
+    #[inline(always)]
+    pub fn or_miss(self) -> Self {
+        let Self { mask, t, u, v, primitive, instance } = self;
+        let none = u32x8::splat(u32::MAX);
         Self {
             mask,
             t: mask.select(t, f32x8::splat(f32::INFINITY)),
             u: mask.select(u, f32x8::ZERO),
             v: mask.select(v, f32x8::ZERO),
-            primitive: number,
-            instance: number,
+            primitive: mask.select_u32(primitive, none),
+            instance: mask.select_u32(instance, none),
         }
     }
 

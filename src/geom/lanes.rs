@@ -13,6 +13,8 @@ use core::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 use glam::Vec3;
 use wide::{f32x4, f32x8, f64x2, f64x8, u32x8};
 
+use super::Hit;
+
 mod sealed {
     pub trait Sealed {}
     impl Sealed for f32 {}
@@ -33,6 +35,8 @@ pub trait Lanes: sealed::Sealed + Copy + Debug + PartialEq + Send + Sync + 'stat
     /// [`Lanes::widen`] for each component. Kernels call it for each vector by name: through `array::map` it remains a call
     /// in builds without link-time optimisation, which doubles the time of eight rays against one triangle.
     fn widen_vec3(vector: Self::Vec3) -> Vec3x8;
+    /// [`Hit::MISS`] in the lanes of eight that miss; a single hit stays as it is.
+    fn or_miss(hit: Hit<Self>) -> Hit<Self>;
 }
 
 impl Lanes for f32 {
@@ -49,6 +53,11 @@ impl Lanes for f32 {
     fn widen_vec3(vector: Vec3) -> Vec3x8 {
         Vec3x8::splat(vector)
     }
+
+    #[inline(always)]
+    fn or_miss(hit: Hit<Self>) -> Hit<Self> {
+        hit
+    }
 }
 
 impl Lanes for f32x8 {
@@ -64,6 +73,11 @@ impl Lanes for f32x8 {
     #[inline(always)]
     fn widen_vec3(vector: Vec3x8) -> Vec3x8 {
         vector
+    }
+
+    #[inline(always)]
+    fn or_miss(hit: Hit<Self>) -> Hit<Self> {
+        hit.or_miss()
     }
 }
 

@@ -32,13 +32,19 @@ pub trait Intersect<L: Lanes> {
     /// Computes the per-ray data.
     fn setup(ray: &Ray<L>) -> Self::Setup;
 
+    /// [`Intersect::closest_hit`] for less: of eight rays, the lanes that miss may hold anything but a mask, also NaN.
+    fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L>;
+
     /// The closest hit within the ray's interval. `setup` must be this ray's own.
-    fn closest_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L>;
+    #[inline(always)]
+    fn closest_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L> {
+        L::or_miss(self.candidate(ray, setup))
+    }
 
     /// Which rays hit anything within their interval: the mask of [`Intersect::closest_hit`], possibly for less work.
     #[inline(always)]
     fn any_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> L::Mask {
-        self.closest_hit(ray, setup).mask
+        self.candidate(ray, setup).mask
     }
 
     /// [`Intersect::closest_hit`] for a ray that meets nothing else: setup and test in one call.

@@ -119,8 +119,8 @@ where
             let setup = <K as Intersect<f32x8>>::setup(packet);
             let mut best = Hit::<f32x8>::miss();
             for (number, primitive) in self.primitives.iter().enumerate() {
-                let hit = primitive.closest_hit(packet, &setup);
-                let closer = lt8(hit.t, best.t);
+                let hit = primitive.candidate(packet, &setup);
+                let closer = hit.mask & lt8(hit.t, best.t);
                 best.replace(closer, &Hit { primitive: u32x8::splat(number as u32), ..hit });
             }
             best.write(hits);
@@ -135,8 +135,8 @@ where
             let mut best = Hit::<f32x8>::miss();
             let mut numbers = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             for group in &self.groups {
-                let hit = group.closest_hit(&ray, &setup);
-                let closer = lt8(hit.t, best.t);
+                let hit = group.candidate(&ray, &setup);
+                let closer = hit.mask & lt8(hit.t, best.t);
                 best.replace(closer, &Hit { primitive: numbers, ..hit });
                 numbers += u32x8::splat(8);
             }

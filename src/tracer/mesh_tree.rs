@@ -335,7 +335,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         slabs: impl Fn() -> InverseDirection<f32x8>,
     ) -> Hit<f32x8> {
         let Triangles { prepared, numbers } = &self.leaves[leaf];
-        let hit = prepared.closest_hit(ray, setup);
+        let hit = prepared.candidate(ray, setup);
         let span = || Span::<f32x8>::of_each(&self.boxes(leaf).slabs(), ray.origin, &slabs());
         tally.test(|| (span().0.bits() & ((1 << numbers.len()) - 1)).count_ones());
         if !hit.mask.any() {
@@ -367,7 +367,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         tally: &mut impl Tally,
     ) -> Option<Hit<f32x8>> {
         let Triangles { prepared, numbers } = &self.leaves[leaf];
-        let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), ray, &setup.kernel);
+        let hit = Intersect::<f32x8>::candidate(&K::lane(prepared, slot & 7), ray, &setup.kernel);
         tally.test(|| in_box(boxes, slot, ray, &setup.slabs));
         let in_lanes = || by_box_rule(hit, &boxes.lane(slot), numbers.0[slot & 7], ray, &setup.slabs);
         hit.mask.any().then(in_lanes)
@@ -667,7 +667,7 @@ impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
         let Triangles { prepared, numbers: triangles } = &self.tree.leaves[leaf];
         let (mut best, mut slabs) = (Hit::<f32x8>::miss(), None);
         for slot in 0..triangles.len() {
-            let hit = Intersect::<f32x8>::closest_hit(&K::lane(prepared, slot & 7), &ray, &setup);
+            let hit = Intersect::<f32x8>::candidate(&K::lane(prepared, slot & 7), &ray, &setup);
             tally.test(|| in_box(&self.tree.boxes(leaf), slot, &ray, &InverseDirection::<f32x8>::of(&ray)));
             if hit.mask.any() {
                 let slabs = slabs.get_or_insert_with(|| InverseDirection::<f32x8>::of(&ray));

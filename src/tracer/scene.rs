@@ -577,7 +577,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
 
     fn setup(_: &Ray<f32>) {}
 
-    fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         SCRATCH.with_borrow_mut(|scratch| self.closest_hit_single(ray, scratch, &mut ()))
     }
 
@@ -591,7 +591,7 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
 
     fn setup(_: &Ray<f32x8>) {}
 
-    fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         SCRATCH.with_borrow_mut(|scratch| self.closest_hit_packet(ray, scratch, &mut ()))
     }
 

@@ -62,7 +62,7 @@ impl Intersect<f32> for Division<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Slabs { lo, hi } = self.0;
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         let mut ordered = true;
@@ -87,7 +87,7 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Slabs { lo, hi } = self.0.widen();
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         let mut ordered = Mask8::all_lanes();
@@ -103,6 +103,6 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
             exit = lt8(t_far, exit).select(t_far, exit);
             ordered = ordered & eq8(t_near, t_near) & eq8(t_far, t_far);
         }
-        Hit::<f32x8>::new(ordered & le8(entry, exit), entry, exit, f32x8::ZERO)
+        Hit::<f32x8>::candidate(ordered & le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

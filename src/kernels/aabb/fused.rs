@@ -82,7 +82,7 @@ impl Intersect<f32> for Fused<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Slabs { lo, hi } = self.0;
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
@@ -110,7 +110,7 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Slabs { lo, hi } = self.0.widen();
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, inv, offset) in [
@@ -123,6 +123,6 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
             entry = max8(mul_add8(near, inv, offset), entry);
             exit = min8(mul_add8(far, inv, offset), exit);
         }
-        Hit::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -70,7 +70,7 @@ impl Intersect<f32> for Reciprocal<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Slabs { lo, hi } = self.0;
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
@@ -94,7 +94,7 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Slabs { lo, hi } = self.0.widen();
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, o, inv) in [
@@ -106,6 +106,6 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
             entry = max8(min8(t_lo, t_hi), entry);
             exit = min8(max8(t_lo, t_hi), exit);
         }
-        Hit::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -59,7 +59,7 @@ impl Intersect<f32> for SignSelected<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let (entry, exit) = slab_interval(&self.0, ray.origin, setup);
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
@@ -74,8 +74,8 @@ impl<P: Lanes> Intersect<f32x8> for SignSelected<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let (entry, exit) = slab_interval8(&self.0.widen(), ray.origin, setup);
-        Hit::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

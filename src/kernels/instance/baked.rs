@@ -38,8 +38,8 @@ impl<L: Lanes, T: Intersect<L>> Intersect<L> for Baked<T> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L> {
-        self.0.closest_hit(ray, setup)
+    fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L> {
+        self.0.candidate(ray, setup)
     }
 
     #[inline(always)]

@@ -130,9 +130,9 @@ impl<L: Lanes, T: Intersect<L>, W: RayTransform<L>> Intersect<L> for Instance<T,
     fn setup(_: &Ray<L>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<L>, (): &()) -> Hit<L> {
+    fn candidate(&self, ray: &Ray<L>, (): &()) -> Hit<L> {
         let ray = self.world_to_object.ray_to_object(ray);
-        self.object.closest_hit(&ray, &T::setup(&ray))
+        self.object.candidate(&ray, &T::setup(&ray))
     }
 
     #[inline(always)]

@@ -97,7 +97,7 @@ impl Intersect<f32> for Double<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
         let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
         let form = &self.form;
         let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
@@ -136,7 +136,7 @@ impl<P: Lanes> Intersect<f32x8> for Double<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
         let clip = self.clip.widen();
         let span = Span::<f32x8>::of(&clip, ray.origin, &setup.slabs);
         let form = self.form.widen();
@@ -170,6 +170,6 @@ impl<P: Lanes> Intersect<f32x8> for Double<P> {
         let (first, second) = (counts(t0), counts(t1));
         let t = to_f32x8((first & (!second | lt64(t0, t1))).select(t0, t1));
         let in_range = lt8(t.abs(), f32x8::splat(f32::INFINITY)) & le8(span.entry, span.exit);
-        Hit::<f32x8>::new((first | second).narrow() & in_range, span.report(t), f32x8::ZERO, f32x8::ZERO)
+        Hit::<f32x8>::candidate((first | second).narrow() & in_range, span.report(t), f32x8::ZERO, f32x8::ZERO)
     }
 }

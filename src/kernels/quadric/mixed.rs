@@ -88,7 +88,7 @@ impl Intersect<f32> for Mixed<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
         let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
         let form = &self.form;
         let moved = span.start(ray.origin, setup.back);
@@ -113,7 +113,7 @@ impl<P: Lanes> Intersect<f32x8> for Mixed<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
         let span = Span::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
         let form = self.form.widen();
         let moved = span.start(ray.origin, setup.back);

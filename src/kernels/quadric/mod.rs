@@ -151,7 +151,7 @@ impl Span<f32x8> {
     fn hit(&self, [t0, t1]: [f32x8; 2]) -> Hit<f32x8> {
         let (first, second) = (self.accepts(t0), self.accepts(t1));
         let t = (first & (!second | lt8(t0, t1))).select(t0, t1);
-        Hit::<f32x8>::new(first | second, self.report(t), f32x8::ZERO, f32x8::ZERO)
+        Hit::<f32x8>::candidate(first | second, self.report(t), f32x8::ZERO, f32x8::ZERO)
     }
 
     /// [`Span::<f32>::report`] in eight lanes.

@@ -118,7 +118,7 @@ impl Intersect<f32> for Naive<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { squares, products, linear, constant, clip } = *self;
         let (o, d) = (ray.origin, ray.dir);
         let a = squares.dot(d * d) + products.dot(pairs(d));
@@ -139,7 +139,7 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let (squares, products) = (P::widen_vec3(self.squares), P::widen_vec3(self.products));
         let (linear, constant) = (P::widen_vec3(self.linear), self.constant.widen());
         let (o, d) = (ray.origin, ray.dir);

@@ -96,7 +96,7 @@ impl Intersect<f32> for BaldwinWeber<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
         let t = -(self.n.dot(ray.origin) + self.n0) / self.n.dot(ray.dir);
         let p = ray.origin + ray.dir * t;
@@ -118,7 +118,7 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let (row_u, row_v, row_n) = (P::widen_vec3(self.u), P::widen_vec3(self.v), P::widen_vec3(self.n));
         let (u0, v0, n0) = (self.u0.widen(), self.v0.widen(), self.n0.widen());
 
@@ -130,6 +130,6 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
 
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = within8(u, v);
-        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -80,7 +80,7 @@ impl Intersect<f32> for Cramer<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Vertices { v0, v1, v2 } = self.0;
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
@@ -105,7 +105,7 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let Vertices { v0, v1, v2 } = self.0.widen();
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
@@ -117,6 +117,6 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = within8(u, v);
         let t = determinant8(a, b, s) / det;
-        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -76,7 +76,7 @@ impl Intersect<f32> for KenslerShirley<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { v0, e1, e2, n } = *self;
 
         let c = v0 - ray.origin;
@@ -103,7 +103,7 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let (v0, n) = (P::widen_vec3(self.v0), P::widen_vec3(self.n));
         let (e1, e2) = (P::widen_vec3(self.e1), P::widen_vec3(self.e2));
 
@@ -118,6 +118,6 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = within8(u, v);
         let t = n.dot(c) * inv_det;
-        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

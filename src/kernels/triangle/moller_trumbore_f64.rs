@@ -96,7 +96,7 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Vertices { v0, v1, v2 } = self.0;
         let (v0, v1, v2) = (v0.as_dvec3(), v1.as_dvec3(), v2.as_dvec3());
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
@@ -126,7 +126,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let Vertices { v0, v1, v2 } = self.0.widen();
         let (v0, v1, v2) = (double8(v0), double8(v1), double8(v2));
         let (origin, dir) = (double8(ray.origin), double8(ray.dir));
@@ -144,6 +144,6 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge64(u, zero) & ge64(v, zero) & le64(u + v, one)).narrow();
         let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
-        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
+        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
     }
 }

@@ -78,7 +78,7 @@ impl Intersect<f32> for Pluecker<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Vertices { v0, v1, v2 } = self.vertices;
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
@@ -107,7 +107,7 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let n = P::widen_vec3(self.n);
         let Vertices { v0, v1, v2 } = self.vertices.widen();
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
@@ -123,6 +123,6 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
-        Hit::<f32x8>::new(inside & numbers & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & numbers & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

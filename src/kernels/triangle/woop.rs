@@ -87,7 +87,7 @@ impl Intersect<f32> for Woop<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
         let mut signs = agreement(weights);
@@ -108,7 +108,7 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
         let mut signs = agreement8(weights);
@@ -365,6 +365,6 @@ impl Sheared8 {
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
         // A NaN in any of the three arrives here, and is a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
-        Hit::<f32x8>::new(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -88,7 +88,7 @@ impl Intersect<f32> for WoopDop<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
@@ -105,7 +105,7 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];

@@ -125,7 +125,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
         let signs = agreement(weights);
@@ -146,7 +146,7 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
     }
 
     #[inline(always)]
-    fn closest_hit(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let mut weights = sheared.weights();
         let signs = agreement8(weights);
