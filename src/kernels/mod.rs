@@ -24,7 +24,7 @@ use crate::geom::{Hit, Lanes, Ray};
 /// Anything that one ray (`L = f32`) or eight (`L = f32x8`) can be intersected with: a prepared primitive, an instance
 /// of one, a whole scene.
 ///
-/// Implementations are total: no input makes them panic or return a NaN.
+/// Implementations are total: no input makes them panic, and no hit holds a NaN.
 pub trait Intersect<L: Lanes> {
     /// What is computed once per ray and used for every primitive, such as the inverse direction.
     type Setup: Copy;
@@ -32,7 +32,7 @@ pub trait Intersect<L: Lanes> {
     /// Computes the per-ray data.
     fn setup(ray: &Ray<L>) -> Self::Setup;
 
-    /// [`Intersect::closest_hit`] for less: of eight rays, the lanes that miss may hold anything but a mask, also NaN.
+    /// [`Intersect::closest_hit`] for less: in those of eight lanes that miss, all but the mask may be anything, also NaN.
     fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L>;
 
     /// The closest hit within the ray's interval. `setup` must be this ray's own.

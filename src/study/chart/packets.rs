@@ -21,11 +21,10 @@ const BAR: i32 = 5;
 /// Beyond a bar, for its figure.
 const FIGURE: i32 = 44;
 
-/// A column of bars: what they show, the greatest value that has a place, and the value that is marked.
+/// A column of bars: what they show, from one tick to the next, and the value that is marked.
 struct Column {
     title: &'static str,
-    end: f64,
-    ticks: &'static [f64],
+    step: f64,
     mark: f64,
     tick: fn(f64) -> String,
     value: fn(&Figures) -> Option<f64>,
@@ -35,8 +34,7 @@ struct Column {
 const COLUMNS: [Column; 2] = [
     Column {
         title: "gain: time of 1x1 over 8x1 (line: the ideal, 8×)",
-        end: 8.5,
-        ticks: &[0.0, 2.0, 4.0, 6.0, 8.0],
+        step: 2.0,
         mark: 8.0,
         tick: |gain| format!("{gain:.0}"),
         value: |kernel| kernel.gain(),
@@ -44,8 +42,7 @@ const COLUMNS: [Column; 2] = [
     },
     Column {
         title: "share of the limit, % (line: all of it)",
-        end: 1.06,
-        ticks: &[0.0, 0.25, 0.5, 0.75, 1.0],
+        step: 0.25,
         mark: 1.0,
         tick: |share| format!("{:.0}", 100.0 * share),
         value: |kernel| kernel.limit_share(),
@@ -63,10 +60,14 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> String {
         .to_owned(), machine(record) + ", one thread"];
     let top = header_height(WIDTH, TITLE, &remarks) + LINE;
     let rows: i32 = groups.iter().map(|group| GROUP_TITLE + LINE * group.kernels.len() as i32).sum();
+    let kernels = || groups.iter().flat_map(|group| &group.kernels);
+    let columns = COLUMNS.iter().zip([left, left + plot + GAP]);
+    let columns = columns.map(|(column, left)| Bars { column, left, plot, end: column.end(kernels()) });
+    let columns: Vec<_> = columns.collect();
     canvas((WIDTH, top + rows + AXIS + MARGIN), |root| {
         header(root, WIDTH, TITLE, &remarks)?;
-        for (column, at) in COLUMNS.iter().zip([left, left + plot + GAP]) {
-            column.axis(root, at, plot, top..top + rows)?;
+        for column in &columns {
+            column.axis(root, top..top + rows)?;
         }
         let mut y = top;
         for group in groups {
@@ -75,8 +76,8 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> String {
             for (index, kernel) in group.kernels.iter().enumerate() {
                 let middle = y + LINE / 2;
                 root.draw_text(&kernel.name, &name(false), (MARGIN, middle))?;
-                for (column, at) in COLUMNS.iter().zip([left, left + plot + GAP]) {
-                    column.bar(root, at, plot, middle, kernel, Look::of(index).color)?;
+                for column in &columns {
+                    column.bar(root, middle, kernel, Look::of(index).color)?;
                 }
                 y += LINE;
             }
@@ -86,38 +87,52 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> String {
 }
 
 impl Column {
-    /// Where a value is, in pixels from the beginning.
-    fn place(&self, value: f64, plot: i32) -> i32 {
-        (value / self.end * f64::from(plot - FIGURE)).round() as i32
+    /// What a bar can reach: a little beyond the longest, and beyond the mark.
+    fn end<'a>(&self, kernels: impl Iterator<Item = &'a Figures<'a>>) -> f64 {
+        1.06 * kernels.filter_map(self.value).filter(|value| value.is_finite()).fold(self.mark, f64::max)
+    }
+}
+
+/// A column and its place.
+struct Bars<'a> {
+    column: &'a Column,
+    left: i32,
+    plot: i32,
+    end: f64,
+}
+
+impl Bars<'_> {
+    /// Where a value is.
+    fn place(&self, value: f64) -> i32 {
+        self.left + (value / self.end * f64::from(self.plot - FIGURE)).round() as i32
     }
 
-    fn axis(&self, root: &Area, left: i32, plot: i32, rows: std::ops::Range<i32>) -> Drawn {
-        for &tick in self.ticks {
-            let x = left + self.place(tick, plot);
-            let marked = tick == self.mark;
-            let style = if marked { INK.stroke_width(2) } else { GRID.stroke_width(1) };
+    fn axis(&self, root: &Area, rows: std::ops::Range<i32>) -> Drawn {
+        let Column { title, step, mark, tick, .. } = *self.column;
+        for value in (0..=(self.end / step) as u32).map(|number| f64::from(number) * step) {
+            let x = self.place(value);
+            let style = if value == mark { INK.stroke_width(2) } else { GRID.stroke_width(1) };
             root.draw(&PathElement::new([(x, rows.start), (x, rows.end)], style))?;
-            root.draw_text(&(self.tick)(tick), &centered(label(TEXT, INK)), (x, rows.end + 10))?;
+            root.draw_text(&tick(value), &centered(label(TEXT, INK)), (x, rows.end + 10))?;
         }
-        let middle = left + self.place(self.mark, plot) / 2;
-        root.draw_text(self.title, &centered(label(TEXT, INK)), (middle, rows.end + 28))
+        let middle = self.place(self.end / 2.0);
+        root.draw_text(title, &centered(label(TEXT, INK)), (middle, rows.end + 28))
     }
 
-    fn bar(&self, root: &Area, left: i32, plot: i32, y: i32, kernel: &Figures, color: RGBColor) -> Drawn {
-        let value = (self.value)(kernel).filter(|value| value.is_finite());
-        // Beyond the end there is only the figure.
-        let end = left + self.place(value.unwrap_or(0.0).clamp(0.0, self.end), plot);
-        root.draw(&Rectangle::new([(left, y - BAR), (end, y + BAR)], color.filled()))?;
+    fn bar(&self, root: &Area, y: i32, kernel: &Figures, color: RGBColor) -> Drawn {
+        let value = (self.column.value)(kernel).filter(|value| value.is_finite());
+        let end = self.place(value.unwrap_or(0.0).max(0.0));
+        root.draw(&Rectangle::new([(self.left, y - BAR), (end, y + BAR)], color.filled()))?;
         root.draw(&Hover {
-            shape: Shape::Rectangle { corner: (left, y - LINE / 2), size: (plot, LINE) },
+            shape: Shape::Rectangle { corner: (self.left, y - LINE / 2), size: (self.plot, LINE) },
             of: vec![&kernel.kernel.id],
             title: title(kernel),
             data: Vec::new(),
         })?;
         // No figure lies on the line.
-        let line = left + self.place(self.mark, plot);
+        let line = self.place(self.column.mark);
         let figure = if (line - FIGURE..line).contains(&end) { line } else { end };
-        root.draw_text(&(self.text)(value), &label(TEXT - 1.0, FAINT), (figure + 4, y))
+        root.draw_text(&(self.column.text)(value), &label(TEXT - 1.0, FAINT), (figure + 4, y))
     }
 }
 
@@ -141,6 +156,22 @@ mod tests {
     use super::*;
     use crate::study::figures::groups;
     use crate::study::fixture::{all_ids, record_of};
+
+    #[test]
+    fn the_axis_goes_beyond_the_mark_where_a_bar_does() {
+        let mut record = record_of(&["triangle/cramer".into(), "triangle/woop".into()]);
+        let mut end = |ns: f64| {
+            let scalar = record.speed.iter_mut().find(|row| row.face == "1x1" && row.threads == 1).unwrap();
+            scalar.ns_per_test = ns;
+            let groups = groups(&record);
+            let kernels = || groups.iter().flat_map(|group| &group.kernels);
+            (COLUMNS[0].end(kernels()), kernels().filter_map(Figures::gain).fold(0.0, f64::max))
+        };
+        let (end_of_short, short) = end(1e-3);
+        assert!(short < 8.0 && end_of_short == 1.06 * 8.0, "{short}");
+        let (end_of_long, long) = end(1e3);
+        assert!(long > 8.0 && end_of_long == 1.06 * long, "{long}");
+    }
 
     #[test]
     fn every_kernel_has_its_gain_and_its_share() {

@@ -24,7 +24,8 @@ pub(super) fn section(record: &Record, groups: &[Group]) -> Vec<String> {
          *Multiply and add* is all arithmetic together. Selections, logic and conversions are not counted, nor what the \
          timed pass adds to keep the closest hit. Gain = {IDEAL} × (share of the limit in \
          packets) / (share in scalar code), the latter as if a scalar operation took as long as one on eight lanes: above \
-         100 % it left work out, by exits and branches. Packets do all of it and branch nowhere but where a result is in doubt. \
+         100 % it left work out, by exits and branches. Packets do all of it and branch nowhere but where a result is in doubt: \
+         more than {IDEAL}× is what scalar code loses to branches that were not foreseen. \
          *Hit*: share of the tests, eight at once or one, in which anything is hit."
     )];
     parts.push(format!("![Gain of packets over scalar code, and share of the machine's limit]({PACKETS})"));
