@@ -7,9 +7,8 @@
 //! normal `n` in common: `(v0 - origin) × dir` once, and four dot products, with `n` and the edges known beforehand.
 //!
 //! **Differs from the sources:** the normal is computed in `f64` and rounded once, so that it is as good for a sliver
-//! as for any triangle; both sides hit; there is no epsilon. Embree compares before it divides; here
-//! the reciprocal of the determinant is multiplied in first, like everywhere in this crate, which costs no more in a
-//! packet.
+//! as for any triangle; both sides hit; there is no epsilon. Embree compares before it divides; here the reciprocal of the
+//! determinant is multiplied in first, like everywhere in this crate, which costs no more in a packet.
 //!
 //! **Fails:** it leaks at edges and vertices like Möller–Trumbore. `t` does not suffer from slivers, since it is a
 //! quotient of two products with the prepared normal. The normal scales with the square of the size, and the

@@ -4,7 +4,8 @@
 //!
 //! A scalar twin returns as soon as the ray is known to pass beside, which most do. A packet goes on to the end: whether any
 //! of eight unlike rays is inside, no processor foresees. With an exit, packets were 0.49 to 0.73 times as fast, and whole
-//! scenes 0.87 to 1.04.
+//! scenes 0.87 to 1.04. One for packets of `triangle/woop` along one axis alone made primary rays of a mesh 1.05 times as fast,
+//! and its shadow rays 0.93.
 
 mod baldwin_weber;
 mod cramer;
