@@ -89,8 +89,7 @@ impl Mask8 {
     /// No lane.
     #[inline(always)]
     pub fn none() -> Self {
-        // What a comparison gives that holds nowhere. The compiler knows this constant, but looks into no comparison: a caller
-        // that asks for `any` of an early miss then skips all that follows.
+        // What a comparison gives that holds nowhere. The compiler knows this constant, but looks into no comparison.
         Self(f32x8::ZERO)
     }
 

@@ -207,7 +207,6 @@ where
                 Face::EightPrimitives => (touch(&set.rays), touch(&set.groups)),
             };
         }
-        hits.fill(Hit::MISS);
         self.other.pass(face, &mut hits[..self.other.rays.len()]);
     }
 
