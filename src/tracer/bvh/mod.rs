@@ -1,0 +1,10 @@
+//! The bounding volume hierarchy: eight children per node, built over triangles or over instances.
+
+pub(crate) mod box_rule;
+mod boxes;
+mod build;
+mod collapse;
+mod tree;
+
+pub(crate) use boxes::Boxes;
+pub(crate) use tree::{Bvh, Child, Leaf, Node};

@@ -1,0 +1,95 @@
+//! The nodes of the tree.
+//!
+//! Items are triangles or instances. An inner node holds the boxes of its eight children, exact unions of the boxes of whole
+//! items. There are no spatial splits: a clipped box could cull a candidate that counts (see `ARCHITECTURE.md`).
+
+use super::boxes::Boxes;
+use crate::geom::Aabb;
+
+/// A slot of a node: an inner node or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    /// Content of unused slots. No inner node has the root as a child.
+    pub(crate) const NONE: Self = Self(0);
+
+    pub(crate) fn of_leaf(number: usize) -> Self {
+        Self(number as u32 | Self::LEAF)
+    }
+
+    pub(crate) fn of_node(number: usize) -> Self {
+        Self(number as u32)
+    }
+
+    /// `Ok` with the number of a leaf, or `Err` with that of an inner node.
+    #[inline(always)]
+    pub(crate) fn leaf(self) -> Result<usize, usize> {
+        if self.0 & Self::LEAF != 0 { Ok((self.0 & !Self::LEAF) as usize) } else { Err(self.0 as usize) }
+    }
+}
+
+/// An inner node: 224 bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub(crate) boxes: Boxes,
+    pub(crate) children: [Child; 8],
+}
+
+/// A leaf: the numbers of up to eight items. Unused slots come last and hold [`Leaf::NONE`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaf(pub(crate) [u32; 8]);
+
+impl Leaf {
+    pub(crate) const NONE: u32 = u32::MAX;
+
+    /// The items in the used slots.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = u32> {
+        self.0.into_iter().take_while(|&item| item != Self::NONE)
+    }
+
+    /// Number of used slots.
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        self.0.iter().filter(|&&item| item != Self::NONE).count()
+    }
+}
+
+/// A tree over items.
+#[derive(Debug)]
+pub(crate) struct Bvh {
+    /// Parents before children.
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) leaves: Vec<Leaf>,
+    pub(crate) root: Child,
+    /// A box around all items.
+    pub(crate) bounds: Aabb,
+    /// Mean length of the items' diagonals.
+    pub(crate) item_size: f32,
+}
+
+impl Bvh {
+    /// Bytes of nodes and leaves.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..])
+    }
+
+    /// A node with a leaf for each of at most eight items.
+    #[cfg(test)]
+    pub(crate) fn with_leaves(items: &[Aabb]) -> Self {
+        let leaf = |item: u32| Leaf([item, u32::MAX, u32::MAX, u32::MAX, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
+        Self {
+            nodes: vec![Node {
+                boxes: Boxes::new(std::array::from_fn(|slot| items.get(slot).copied().unwrap_or(Aabb::EMPTY))),
+                children: std::array::from_fn(
+                    |slot| if slot < items.len() { Child::of_leaf(slot) } else { Child::NONE },
+                ),
+            }],
+            leaves: (0..items.len() as u32).map(leaf).collect(),
+            root: Child::of_node(0),
+            bounds: items.iter().fold(Aabb::EMPTY, |bounds, one| bounds.union(one)),
+            item_size: 0.0,
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Where scenes come from: OBJ files, scene files in TOML, and the built-in scenes.
+
+mod builtin;
+mod loaded;
+mod scene_file;
+mod source;
+
+pub use builtin::BuiltIn;
+pub use loaded::LoadedScene;
+pub use scene_file::load_scene;
+pub use source::SceneSource;

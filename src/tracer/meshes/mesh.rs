@@ -1,0 +1,271 @@
+//! Triangle meshes: shared vertices, a colour per range of triangles.
+
+use glam::Vec3;
+
+use crate::geom::{Aabb, Triangle};
+
+/// Triangles over shared vertices. Every mesh is valid: see [`Mesh::new`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    parts: Vec<Part>,
+}
+
+/// A run of triangles of one colour: from its first triangle to the next part's first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Where the run begins.
+    pub first_triangle: u32,
+    /// Diffuse colour: linear red, green and blue from 0 to 1.
+    pub color: Vec3,
+}
+
+/// Why vertices and triangles make no [`Mesh`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MeshError {
+    /// There is nothing to hit.
+    #[error("no triangles")]
+    NoTriangles,
+    /// The primitive number `u32::MAX` means a miss, and counts must fit beside it.
+    #[error("{0} triangles, but at most {max} are possible", max = Mesh::MAX_TRIANGLES)]
+    TooManyTriangles(usize),
+    /// A triangle refers to a vertex that is not there.
+    #[error("triangle {0} refers to a vertex that does not exist")]
+    MissingVertex(usize),
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {0} is not finite")]
+    NotFinite(usize),
+    /// Parts must begin at triangle 0, ascend, hold a triangle each, and have colours from 0 to 1.
+    #[error("part {0} is empty, out of order, or has an impossible colour")]
+    BadPart(usize),
+}
+
+impl Mesh {
+    /// The most triangles a mesh can have.
+    pub const MAX_TRIANGLES: usize = u32::MAX as usize - 1;
+
+    /// A mesh, if its indices and parts are in range, its coordinates finite and its triangles neither none nor too
+    /// many. Triangles without area are allowed, and never hit; see [`Mesh::degenerate_triangles`].
+    ///
+    /// # Errors
+    /// Says which of these is not so, and where.
+    pub fn new(
+        mut positions: Vec<Vec3>,
+        mut triangles: Vec<[u32; 3]>,
+        mut parts: Vec<Part>,
+    ) -> Result<Self, MeshError> {
+        if triangles.is_empty() {
+            return Err(MeshError::NoTriangles);
+        }
+        if triangles.len() > Self::MAX_TRIANGLES {
+            return Err(MeshError::TooManyTriangles(triangles.len()));
+        }
+        let exists = |&index: &u32| (index as usize) < positions.len();
+        if let Some(bad) = triangles.iter().position(|triangle| !triangle.iter().all(exists)) {
+            return Err(MeshError::MissingVertex(bad));
+        }
+        if let Some(bad) = positions.iter().position(|position| !position.is_finite()) {
+            return Err(MeshError::NotFinite(bad));
+        }
+        if let Some(bad) = first_bad_part(&parts, triangles.len()) {
+            return Err(MeshError::BadPart(bad));
+        }
+        // Vectors that were grown have up to twice the room, and a mesh stays.
+        positions.shrink_to_fit();
+        triangles.shrink_to_fit();
+        parts.shrink_to_fit();
+        Ok(Self { positions, triangles, parts })
+    }
+
+    /// The vertices.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Three vertex numbers per triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The colours, in the order of the triangles.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// How many triangles there are.
+    #[inline]
+    #[expect(clippy::len_without_is_empty, reason = "a mesh is never empty")]
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Triangle number `primitive`.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    #[inline]
+    pub fn triangle(&self, primitive: u32) -> Triangle {
+        self.with_vertices(self.triangles[primitive as usize])
+    }
+
+    #[inline]
+    fn with_vertices(&self, indices: [u32; 3]) -> Triangle {
+        let [v0, v1, v2] = indices.map(|index| self.positions[index as usize]);
+        Triangle { v0, v1, v2 }
+    }
+
+    /// All triangles, in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Triangle> + '_ {
+        self.triangles.iter().map(|&indices| self.with_vertices(indices))
+    }
+
+    /// Colour of triangle number `primitive`.
+    pub fn color(&self, primitive: u32) -> Vec3 {
+        // Never 0, since the first part begins at triangle 0.
+        let after = self.parts.partition_point(|part| part.first_triangle <= primitive);
+        self.parts[after - 1].color
+    }
+
+    /// The smallest box around all triangles. Vertices that none of them uses do not count.
+    pub fn bounds(&self) -> Aabb {
+        self.iter().fold(Aabb::EMPTY, |bounds, triangle| bounds.union(&triangle.bounds()))
+    }
+
+    /// How many triangles have exactly no area: a repeated vertex, or three in a line.
+    pub fn degenerate_triangles(&self) -> usize {
+        self.iter().filter(has_no_area).count()
+    }
+
+    /// Memory that the geometry takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.positions) + size_of_val(&*self.triangles) + size_of_val(&*self.parts)
+    }
+}
+
+fn first_bad_part(parts: &[Part], triangles: usize) -> Option<usize> {
+    if parts.is_empty() {
+        return Some(0);
+    }
+    (0..parts.len()).find(|&number| {
+        let Part { first_triangle, color } = parts[number];
+        let in_order = match number.checked_sub(1) {
+            None => first_triangle == 0,
+            Some(previous) => parts[previous].first_triangle < first_triangle,
+        };
+        let is_color = color.to_array().iter().all(|component| (0.0..=1.0).contains(component));
+        !in_order || first_triangle as usize >= triangles || !is_color
+    })
+}
+
+/// Whether `(v1 - v0) × (v2 - v0)` is zero, decided exactly. Written out, each of its components is a sum of six
+/// products of two coordinates, and `f64` holds such a product without rounding.
+fn has_no_area(triangle: &Triangle) -> bool {
+    let [a, b, c] = triangle.vertices().map(|vertex| vertex.to_array().map(f64::from));
+    [(1, 2), (2, 0), (0, 1)].into_iter().all(|(y, z)| {
+        let cross = |p: [f64; 3], q: [f64; 3]| [p[y] * q[z], -(p[z] * q[y])];
+        let [[ab, ba], [bc, cb], [ca, ac]] = [cross(a, b), cross(b, c), cross(c, a)];
+        sums_to_zero([ab, ba, bc, cb, ca, ac])
+    })
+}
+
+/// Whether the exact sum of the terms is zero, by Shewchuk's growing expansion (Adaptive Precision Floating-Point
+/// Arithmetic and Fast Robust Geometric Predicates, 1997, theorem 10): the parts always add up to the exact sum and
+/// never overlap, so the sum is zero only when all of them are. Products of `f32` neither overflow nor vanish here.
+fn sums_to_zero(terms: [f64; 6]) -> bool {
+    let mut parts = [0.0; 6];
+    for (count, term) in terms.into_iter().enumerate() {
+        let mut sum = term;
+        for part in &mut parts[..count] {
+            (sum, *part) = two_sum(sum, *part);
+        }
+        parts[count] = sum;
+    }
+    parts == [0.0; 6]
+}
+
+/// The rounded sum and its exact error.
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    let a_part = sum - b_part;
+    (sum, (a - a_part) + (b - b_part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GREY: Part = Part { first_triangle: 0, color: Vec3::splat(0.5) };
+
+    fn square() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        (vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0)], vec![[0, 1, 2], [1, 3, 2]])
+    }
+
+    #[test]
+    fn a_mesh_answers_by_primitive() {
+        let (mut positions, triangles) = square();
+        positions.push(Vec3::splat(9.0)); // used by no triangle
+        let red = Part { first_triangle: 1, color: Vec3::X };
+        let mesh = Mesh::new(positions, triangles, vec![GREY, red]).unwrap();
+        assert_eq!(mesh.len(), 2);
+        assert_eq!(mesh.triangle(1).vertices(), [Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y]);
+        assert_eq!(mesh.iter().nth(1), Some(mesh.triangle(1)));
+        assert_eq!([mesh.color(0), mesh.color(1)], [GREY.color, red.color]);
+        assert_eq!(mesh.bounds(), Aabb { lo: Vec3::ZERO, hi: Vec3::new(1.0, 1.0, 0.0) });
+        assert_eq!(mesh.bytes(), 5 * 12 + 2 * 12 + 2 * 16);
+    }
+
+    #[test]
+    fn invalid_meshes_are_refused() {
+        let (positions, triangles) = square();
+        let error = |positions: &[Vec3], triangles: &[[u32; 3]], parts: &[Part]| {
+            Mesh::new(positions.to_vec(), triangles.to_vec(), parts.to_vec()).err()
+        };
+        assert_eq!(error(&positions, &triangles, &[GREY]), None);
+        assert_eq!(error(&positions, &[], &[GREY]), Some(MeshError::NoTriangles));
+        assert_eq!(error(&positions[..3], &triangles, &[GREY]), Some(MeshError::MissingVertex(1)));
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let positions = [positions[0], positions[1], positions[2], Vec3::new(0.0, bad, 0.0)];
+            assert_eq!(error(&positions, &triangles, &[GREY]), Some(MeshError::NotFinite(3)));
+        }
+        let from = |first_triangle| Part { first_triangle, ..GREY };
+        let of = |component| Part { color: Vec3::new(0.0, component, 0.0), ..GREY };
+        for (parts, bad) in [
+            (vec![], 0),
+            (vec![from(1)], 0),
+            (vec![GREY, GREY], 1),
+            (vec![GREY, from(2)], 1),
+            (vec![of(f32::NAN)], 0),
+            (vec![of(-0.1)], 0),
+            (vec![of(1.5)], 0),
+        ] {
+            assert_eq!(error(&positions, &triangles, &parts), Some(MeshError::BadPart(bad)), "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn zero_area_is_decided_exactly() {
+        let thin = |x: f32| Triangle { v0: Vec3::ZERO, v1: Vec3::ONE, v2: Vec3::new(x, 3.0, 3.0) };
+        assert!(has_no_area(&thin(3.0)));
+        assert!(!has_no_area(&thin(3.0f32.next_up())));
+        // A vertex too small to survive beside the others in any fixed precision.
+        let far = Triangle { v0: Vec3::splat(1e-40), v1: Vec3::new(1e30, 0.0, 0.0), v2: Vec3::new(-1e30, 0.0, 0.0) };
+        assert!(!has_no_area(&far));
+        assert!(has_no_area(&Triangle { v0: Vec3::new(1e-40, 0.0, 0.0), ..far }));
+        assert!(has_no_area(&Triangle { v2: far.v1, ..far }));
+        // Rounded once, the terms of two vertices this far apart cancel and hide that of the third.
+        let [near, twice] = [1e20, 2e20].map(|x| Vec3::new(x, x, 0.0));
+        assert!(!has_no_area(&Triangle { v0: near, v1: Vec3::X * 1e-20, v2: twice }));
+        // Three steps along a line that needs every digit.
+        let (start, step) =
+            (Vec3::new(1_048_577.0, 1.0, 1.0 / 1_048_576.0), Vec3::new(1_048_576.0, 1.0 / 1_048_576.0, 1.0));
+        assert!(has_no_area(&Triangle { v0: start, v1: start + step, v2: start + step * 2.0 }));
+        // Smaller than any product of f32 coordinates.
+        let tiny = Triangle { v0: Vec3::ZERO, v1: Vec3::X * 1e-45, v2: Vec3::Y * 1e-45 };
+        assert!(!has_no_area(&tiny));
+        let (positions, mut triangles) = square();
+        triangles.push([0, 0, 1]);
+        assert_eq!(Mesh::new(positions, triangles, vec![GREY]).unwrap().degenerate_triangles(), 1);
+    }
+}

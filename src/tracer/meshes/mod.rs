@@ -1,0 +1,9 @@
+//! Triangle meshes: the data, OBJ files, and generators that make meshes by code.
+
+pub(crate) mod generator;
+mod mesh;
+mod obj;
+
+pub(crate) use mesh::two_sum;
+pub use mesh::{Mesh, MeshError, Part};
+pub use obj::{ObjReport, load_obj};

@@ -1,0 +1,14 @@
+//! What is traced: geometries and their instances, and the two-level scene that a kernel makes of them.
+
+mod instance;
+mod surface;
+mod traverse;
+mod two_level;
+mod world;
+mod world_box;
+
+pub use surface::SurfacePoint;
+pub(crate) use traverse::Scratch;
+pub use two_level::Scene;
+pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};
+pub(crate) use world::{can_be_hit, is_singular};

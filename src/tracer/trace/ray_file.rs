@@ -1,0 +1,172 @@
+//! Raw files of rays and hits: 32-bit little-endian numbers, no header.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use glam::Vec3;
+
+use crate::geom::{Hit, Ray};
+use crate::tracer::error::Error;
+use crate::tracer::output::write_atomically;
+
+const RAY_BYTES: usize = 32;
+const HIT_BYTES: usize = 16;
+
+/// The most rays that are read from one file: 4 GiB of them. A device that never ends would else end in lack of memory.
+const MOST_RAYS: usize = 1 << 27;
+
+/// Reads rays: eight `f32` each, `ox oy oz t_min dx dy dz t_max`. Every value is allowed, since a ray that makes no
+/// sense misses.
+///
+/// # Errors
+/// If the file cannot be read, ends within a ray, holds none, or holds more than 134,217,728.
+pub fn read_rays(path: &Path) -> Result<Vec<Ray<f32>>, Error> {
+    read_at_most(MOST_RAYS, path)
+}
+
+fn read_at_most(most: usize, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
+    // A piece at a time, so that a large file is never in memory twice.
+    const PIECE: usize = RAY_BYTES << 15;
+    let mut file = File::open(path).map_err(Error::reading(path))?;
+    let mut rays = Vec::new();
+    let mut piece = Vec::with_capacity(PIECE);
+    loop {
+        piece.clear();
+        (&mut file).take(PIECE as u64).read_to_end(&mut piece).map_err(Error::reading(path))?;
+        let (complete, rest) = piece.as_chunks();
+        rays.extend(complete.iter().map(decode_ray));
+        if !rest.is_empty() {
+            let bytes = rays.len() * RAY_BYTES + rest.len();
+            let message =
+                format!("truncated: {bytes} bytes is not a multiple of {RAY_BYTES} (ray {} is incomplete)", rays.len());
+            return Err(Error::in_file(path, message));
+        }
+        if rays.len() > most {
+            return Err(Error::in_file(path, format!("more than {most} rays: trace them in parts")));
+        }
+        if piece.len() < PIECE {
+            break;
+        }
+    }
+    if rays.is_empty() { Err(Error::in_file(path, "no rays")) } else { Ok(rays) }
+}
+
+/// Writes a file for [`read_rays`].
+///
+/// # Errors
+/// If the file cannot be written; see [`write_atomically`].
+pub fn write_rays(path: &Path, rays: &[Ray<f32>]) -> Result<(), Error> {
+    write_records(path, rays.iter().map(encode_ray))
+}
+
+/// Writes hits: `t u v` as `f32` and the primitive as `u32` each, `u32::MAX` for a miss.
+///
+/// # Errors
+/// If the file cannot be written; see [`write_atomically`].
+pub fn write_hits(path: &Path, hits: &[Hit<f32>]) -> Result<(), Error> {
+    write_records(path, hits.iter().map(encode_hit))
+}
+
+fn write_records<const N: usize>(path: &Path, records: impl Iterator<Item = [u8; N]>) -> Result<(), Error> {
+    write_atomically(path, |out| {
+        for record in records {
+            out.write_all(&record)?;
+        }
+        Ok(())
+    })
+}
+
+fn decode_ray(bytes: &[u8; RAY_BYTES]) -> Ray<f32> {
+    let number = |index: usize| f32::from_le_bytes(core::array::from_fn(|byte| bytes[4 * index + byte]));
+    Ray {
+        origin: Vec3::new(number(0), number(1), number(2)),
+        t_min: number(3),
+        dir: Vec3::new(number(4), number(5), number(6)),
+        t_max: number(7),
+    }
+}
+
+fn encode_ray(ray: &Ray<f32>) -> [u8; RAY_BYTES] {
+    let (o, d) = (ray.origin, ray.dir);
+    little_endian([o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, ray.t_max].map(f32::to_bits))
+}
+
+fn encode_hit(hit: &Hit<f32>) -> [u8; HIT_BYTES] {
+    let [t, u, v, primitive, _] = hit.to_bits();
+    little_endian([t, u, v, primitive])
+}
+
+fn little_endian<const WORDS: usize, const BYTES: usize>(words: [u32; WORDS]) -> [u8; BYTES] {
+    const { assert!(BYTES == 4 * WORDS) };
+    core::array::from_fn(|byte| words[byte / 4].to_le_bytes()[byte % 4])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn rays_survive_the_round_trip() {
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        // More than one piece, and every kind of number.
+        let rays: Vec<_> = (0..70_000u32)
+            .map(|number| {
+                let x = f32::from_bits(number.wrapping_mul(0x9e37_79b1));
+                Ray { origin: Vec3::new(x, 1.0, 2.0), dir: Vec3::new(3.0, x, 4.0), t_min: 5.0, t_max: x }
+            })
+            .collect();
+        write_rays(&path, &rays).unwrap();
+        let read = read_rays(&path).unwrap();
+        assert_eq!(read.len(), rays.len());
+        for (read, ray) in read.iter().zip(&rays) {
+            assert_eq!(encode_ray(read), encode_ray(ray));
+        }
+    }
+
+    #[test]
+    fn the_formats_are_as_documented() {
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        let ray = Ray { origin: Vec3::new(1.0, 2.0, 3.0), t_min: 4.0, dir: Vec3::new(5.0, 6.0, 7.0), t_max: 8.0 };
+        write_rays(&path, &[ray]).unwrap();
+        let numbers: Vec<u8> = (1..=8).flat_map(|number: i16| f32::from(number).to_le_bytes()).collect();
+        assert_eq!(fs::read(&path).unwrap(), numbers);
+        assert_eq!(read_rays(&path).unwrap(), [ray]);
+
+        let mut hit = Hit::<f32>::new(true, 1.0, 2.0, 3.0);
+        hit.primitive = 0x0403_0201;
+        write_hits(&path, &[hit, Hit::MISS]).unwrap();
+        let bytes = fs::read(&path).unwrap();
+        assert_eq!(bytes[..12], numbers[..12]);
+        assert_eq!(bytes[12..20], [1, 2, 3, 4, 0, 0, 0x80, 0x7f]);
+        assert_eq!(bytes[20..], [0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255]);
+    }
+
+    #[test]
+    fn files_without_end_are_refused() {
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        write_rays(&path, &[Ray::INACTIVE; 3]).unwrap();
+        assert_eq!(read_at_most(3, &path).unwrap().len(), 3);
+        assert!(read_at_most(2, &path).unwrap_err().to_string().contains("more than 2 rays"));
+    }
+
+    #[test]
+    fn incomplete_files_are_refused() {
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        let message = |bytes: usize| {
+            fs::write(&path, vec![0; bytes]).unwrap();
+            read_rays(&path).unwrap_err().to_string()
+        };
+        let name = path.display();
+        assert_eq!(message(0), format!("{name}: no rays"));
+        for (bytes, ray) in [(1, 0), (100, 3), ((32 << 15) + 31, 1 << 15)] {
+            let expected =
+                format!("{name}: truncated: {bytes} bytes is not a multiple of 32 (ray {ray} is incomplete)");
+            assert_eq!(message(bytes), expected);
+        }
+        let directory = tempfile::tempdir().unwrap();
+        assert!(read_rays(directory.path()).unwrap_err().to_string().starts_with("cannot read "));
+    }
+}
