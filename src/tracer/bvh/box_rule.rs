@@ -1,7 +1,7 @@
 //! The box rule in both widths: where a ray enters and leaves a box, and the clamping of `t` into that interval.
 //!
-//! The rule is applied to triangles with their own boxes, and again to instances with their world boxes. `ARCHITECTURE.md`
-//! proves why it makes the closest hit independent of the traversal.
+//! The rule is applied to triangles with their own boxes, and again to instances with their world boxes.
+//! `ARCHITECTURE.md` proves why it makes the closest hit independent of the traversal.
 
 use glam::Vec3;
 use wide::f32x8;

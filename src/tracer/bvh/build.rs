@@ -1,4 +1,5 @@
-//! Building a tree: obvhs makes one with two children per node, `collapse` makes eight of two, and the boxes are computed anew.
+//! Building a tree: obvhs makes one with two children per node, `collapse` makes eight of two, and the boxes are
+//! computed anew.
 
 use glam::Vec3;
 use obvhs::bvh2::builder::build_bvh2;
@@ -10,8 +11,8 @@ use super::collapse::{Collapse, Costs, slots};
 use super::tree::{Bvh, Child, Leaf, Node};
 use crate::geom::Aabb;
 
-/// The box of an item, moved and scaled into the unit cube. obvhs computes areas in `f32` and panics where they overflow or
-/// underflow. Only the shape of the tree depends on these boxes.
+/// The box of an item, moved and scaled into the unit cube. obvhs computes areas in `f32` and panics where they
+/// overflow or underflow. Only the shape of the tree depends on these boxes.
 struct UnitBox(obvhs::aabb::Aabb);
 
 impl Boundable for UnitBox {
@@ -34,9 +35,10 @@ fn unit_boxes(bounds: &Aabb, count: usize, bounds_of: impl Fn(u32) -> Aabb) -> V
         .collect()
 }
 
-/// A leaf costs as much as a node: testing eight triangles takes as long as testing eight boxes. Items have a small cost of their own, since
-/// packets test them one by one. Leaf costs of 0.5 and 1.5 made nothing faster by more than the noise. An item cost of 0.15 made
-/// shadow rays in a closed room 1.13 times as fast, and primary rays on small triangles 0.87 to 0.93 times.
+/// A leaf costs as much as a node: testing eight triangles takes as long as testing eight boxes. Items have a small
+/// cost of their own, since packets test them one by one. Leaf costs of 0.5 and 1.5 made nothing faster by more than
+/// the noise. An item cost of 0.15 made shadow rays in a closed room 1.13 times as fast, and primary rays on small
+/// triangles 0.87 to 0.93 times.
 const COSTS: Costs = Costs { node: 1.0, leaf: 1.0, item: 0.05 };
 
 impl Bvh {
@@ -44,11 +46,12 @@ impl Bvh {
     pub(crate) fn build(count: usize, bounds_of: impl Fn(u32) -> Aabb) -> Self {
         let params = BvhBuildParams {
             max_prims_per_leaf: 1,
-            // The presets of obvhs look only at direct neighbours on the first levels. On a regular grid these all tie, and the
-            // tree degenerates: 230 triangle tests per ray of the built-in room instead of 4. This setting takes a third longer.
+            // The presets of obvhs look only at direct neighbours on the first levels. On a regular grid these all tie,
+            // and the tree degenerates: 230 triangle tests per ray of the built-in room instead of 4. This setting
+            // takes a third longer.
             search_depth_threshold: 0,
-            // 5 % fewer nodes per ray of closed rooms than with the preset, for the least build time of all settings. Reinsertion
-            // of 30 % of the nodes saves another 2 %, and makes the build 2.2 times as long.
+            // 5 % fewer nodes per ray of closed rooms than with the preset, for the least build time of all settings.
+            // Reinsertion of 30 % of the nodes saves another 2 %, and makes the build 2.2 times as long.
             ploc_search_distance: PlocSearchDistance::VeryHigh,
             ..BvhBuildParams::medium_build()
         };

@@ -1,10 +1,10 @@
 //! Collapsing a binary tree to eight children per node: which of its nodes to keep.
 //!
-//! **Source:** H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017.
-//! Dynamic programming over the binary tree finds the wide tree of least expected cost. Each child gets the slot of the octant
-//! that it lies in, seen from the middle of the node. A packet that visits slots in the order of `slot ^ octant of its
-//! direction` then visits them roughly front to back, without comparing distances. (Single rays do compare: on closed rooms
-//! the order of octants alone made their primary rays 0.55 times as fast.)
+//! **Source:** H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs", 2017. Dynamic programming over the binary tree finds the wide tree of least expected cost. Each child gets
+//! the slot of the octant that it lies in, seen from the middle of the node. A packet that visits slots in the order of
+//! `slot ^ octant of its direction` then visits them roughly front to back, without comparing distances. (Single rays
+//! do compare: on closed rooms the order of octants alone made their primary rays 0.55 times as fast.)
 
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
@@ -22,8 +22,8 @@ pub(crate) struct Costs {
 struct Plan {
     /// Least cost of the items below it as a forest of at most 1, 2, … 7 trees.
     cost: [f32; 7],
-    /// In a forest of at most 1, 2, … 8 trees, how many the left child gets; 0 where one tree fewer costs no more. The first
-    /// entry is 1 for a leaf and 0 for a node.
+    /// In a forest of at most 1, 2, … 8 trees, how many the left child gets; 0 where one tree fewer costs no more. The
+    /// first entry is 1 for a leaf and 0 for a node.
     left: [u8; 8],
     /// Number of items below it; 9 if there are too many for a leaf.
     items: u8,

@@ -1,7 +1,7 @@
 //! The nodes of the tree.
 //!
-//! Items are triangles or instances. An inner node holds the boxes of its eight children, exact unions of the boxes of whole
-//! items. There are no spatial splits: a clipped box could cull a candidate that counts (see `ARCHITECTURE.md`).
+//! Items are triangles or instances. An inner node holds the boxes of its eight children, exact unions of the boxes of
+//! whole items. There are no spatial splits: a clipped box could cull a candidate that counts (see `ARCHITECTURE.md`).
 
 use super::boxes::Boxes;
 use crate::geom::Aabb;

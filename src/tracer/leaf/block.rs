@@ -15,8 +15,8 @@ use crate::tracer::walk::rays::{ANY_HIT, dir_is_neg};
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// Traces at most [`RAYS`](crate::tracer::walk::block::RAYS) rays as a block.
     ///
-    /// With [`Outcome::Traced`], `hits` holds all hits. With another outcome it holds misses, and with `ANY` possibly some
-    /// hits already.
+    /// With [`Outcome::Traced`], `hits` holds all hits. With another outcome it holds misses, and with `ANY` possibly
+    /// some hits already.
     #[inline(always)]
     pub(crate) fn trace_block<const ANY: bool, T: Counter>(
         &self,
@@ -117,7 +117,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     }
 }
 
-/// The packets of a block on their way through a mesh. Per-ray data is computed at first use: many blocks reach no triangle.
+/// The packets of a block on their way through a mesh. Per-ray data is computed at first use: many blocks reach no
+/// triangle.
 struct BlockSearch<'a, K: Kernel> {
     tree: &'a MeshTree<K>,
     setups: [Option<Setup<K, f32x8>>; PACKETS],
@@ -165,7 +166,8 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                 let slot = slots.trailing_zeros() as usize & 7;
                 slots &= slots - 1;
                 block.tests += 1;
-                // Without a common origin the interval is wide, and most of the boxes that it hits are missed by every ray.
+                // Without a common origin the interval is wide, and most of the boxes that it hits are missed by every
+                // ray.
                 if !block.one_origin {
                     let bounds = &self.tree.bvh.bounds;
                     let rays = self.rays[packet].get_or_insert_with(|| PacketRays::of(ray, &setup.slabs, bounds));

@@ -1,5 +1,5 @@
-//! The prepared triangles of a mesh with the tree over them, in the mesh's own coordinates; and the triangle tests under the
-//! box rule that all walks share.
+//! The prepared triangles of a mesh with the tree over them, in the mesh's own coordinates; and the triangle tests
+//! under the box rule that all walks share.
 
 use glam::Vec3;
 use wide::{f32x8, u32x8};
@@ -64,7 +64,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         K::bounds(&self.leaves[leaf].prepared).map_or_else(|| self.boxes[leaf], Boxes::from)
     }
 
-    /// The hits of one ray, splatted, with the triangles of a leaf, by the box rule. `t` is infinite in lanes that miss.
+    /// The hits of one ray, splatted, with the triangles of a leaf, by the box rule. `t` is infinite in lanes that
+    /// miss.
     #[inline(always)]
     pub(super) fn test_all_triangles(
         &self,
@@ -94,8 +95,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         }
     }
 
-    /// The hits of a packet with one triangle, by the box rule; possibly in no lane. `None` if the kernel reports no hit.
-    /// `boxes` are the leaf's boxes.
+    /// The hits of a packet with one triangle, by the box rule; possibly in no lane. `None` if the kernel reports no
+    /// hit. `boxes` are the leaf's boxes.
     #[inline(always)]
     pub(super) fn test_packet(
         &self,

@@ -9,8 +9,8 @@ use crate::tracer::walk::Counter;
 use crate::tracer::walk::rays::ANY_HIT;
 
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
-    /// The closest hit, if its `t` is at most `farthest`. Otherwise the result is a miss, possibly with `t = farthest`, or a
-    /// hit beyond `farthest`. With `ANY`, [`ANY_HIT`] or a miss; `farthest` must then be infinite.
+    /// The closest hit, if its `t` is at most `farthest`. Otherwise the result is a miss, possibly with `t = farthest`,
+    /// or a hit beyond `farthest`. With `ANY`, [`ANY_HIT`] or a miss; `farthest` must then be infinite.
     ///
     /// Not inlined: the scene calls it from two places, for a mesh alone and for one of many instances.
     #[inline(never)]

@@ -13,8 +13,8 @@ pub(crate) struct TraversalScratch {
     pub(crate) packet: StackStorage<packet::StackEntry>,
     pub(super) block: StackStorage<block::StackEntry>,
     pub(super) block_rays: Box<Block>,
-    /// Leaf and slot of the triangle that the last block of any-hit rays hit. The next block often hits it too. The numbers
-    /// may stem from another tree: any triangle is a correct first choice.
+    /// Leaf and slot of the triangle that the last block of any-hit rays hit. The next block often hits it too. The
+    /// numbers may stem from another tree: any triangle is a correct first choice.
     pub(super) occluder: Option<(usize, usize)>,
     pub(super) stream: StreamScratch,
 }

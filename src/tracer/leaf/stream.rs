@@ -1,5 +1,5 @@
-//! The stream walk in a leaf: packets of eight listed rays against one triangle after the other; few rays, one by one against
-//! all triangles of the leaf.
+//! The stream walk in a leaf: packets of eight listed rays against one triangle after the other; few rays, one by one
+//! against all triangles of the leaf.
 
 use wide::f32x8;
 
@@ -14,13 +14,13 @@ use crate::tracer::walk::packet::keep_closer8;
 use crate::tracer::walk::rays::{ANY_HIT, packet};
 use crate::tracer::walk::stream::{self, MIN_WIDE_RAYS, StreamRay};
 
-/// With fewer listed rays than this, each is tested alone against all triangles of the leaf. On incoherent rays, 3 was 0.96 to
-/// 1.09 times as fast, 6 was 0.96 to 1.04, and three quarters of the leaf's triangles 0.90 to 1.04.
+/// With fewer listed rays than this, each is tested alone against all triangles of the leaf. On incoherent rays, 3 was
+/// 0.96 to 1.09 times as fast, 6 was 0.96 to 1.04, and three quarters of the leaf's triangles 0.90 to 1.04.
 const MIN_PACKET_RAYS: usize = 4;
 
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
-    /// Traces the rays with these numbers; their directions must be in `octant`, and their hits must be misses. Writes their
-    /// hits, and changes the order of the numbers.
+    /// Traces the rays with these numbers; their directions must be in `octant`, and their hits must be misses. Writes
+    /// their hits, and changes the order of the numbers.
     #[inline(never)]
     pub(crate) fn trace_stream<const ANY: bool, T: Counter>(
         &self,

@@ -78,8 +78,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         self.trace_single_below::<ANY>(self.bvh.root, ray, Hit::MISS, &mut upper.single, lower, counter)
     }
 
-    /// [`Scene::trace_single`] in the subtree of `root`, starting with `best`. Not inlined: inlined, it made a scene of a
-    /// single mesh 0.8 times as fast.
+    /// [`Scene::trace_single`] in the subtree of `root`, starting with `best`. Not inlined: inlined, it made a scene of
+    /// a single mesh 0.8 times as fast.
     #[inline(never)]
     fn trace_single_below<const ANY: bool>(
         &self,
@@ -176,7 +176,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             return;
         }
         let ray = instance.ray_to_object(ray);
-        // A hit beyond the box is going to be clamped to its exit, so the search ends at `best` only if the exit is beyond.
+        // A hit beyond the box is going to be clamped to its exit, so the search ends at `best` only if the exit is
+        // beyond.
         let farthest = if !ANY && interval.exit > best.t { best.t } else { f32::INFINITY };
         let hit = match object {
             Object::Mesh(tree) => trace(tree, &ray, farthest),

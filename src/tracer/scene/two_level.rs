@@ -21,7 +21,8 @@ use crate::tracer::meshes::Mesh;
 /// Primitive numbers of hits count the primitives of all geometries in order: the triangles of a mesh in file order, a
 /// quadric as one. The instance number is the index of the [`Placement`]. Single rays and packets give identical hits.
 ///
-/// Instances share their geometry. One instance takes about 275 bytes, including its placement and its share of the tree.
+/// Instances share their geometry. One instance takes about 275 bytes, including its placement and its share of the
+/// tree.
 #[derive(Debug)]
 pub struct Scene<K: Kernel> {
     world: World,
@@ -47,7 +48,8 @@ struct Prepared {
 impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// Builds the trees and prepares the primitives, on all threads of the current rayon pool.
     ///
-    /// Quadrics use the kernel [`Mixed`]: the fastest one that decides hit or miss correctly under any instance transform.
+    /// Quadrics use the kernel [`Mixed`]: the fastest one that decides hit or miss correctly under any instance
+    /// transform.
     pub fn new(world: World) -> Self {
         Self::with_quadrics::<Mixed<f32>>(world)
     }
@@ -157,8 +159,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         (instance, object)
     }
 
-    /// Turns an instance's closest hit in object coordinates into a candidate in the world, by the box rule. A miss stays a
-    /// miss. `interval` is that of the ray in the instance's world box.
+    /// Turns an instance's closest hit in object coordinates into a candidate in the world, by the box rule. A miss
+    /// stays a miss. `interval` is that of the ray in the instance's world box.
     #[inline(always)]
     pub(super) fn hit_in_world(&self, hit: Hit<f32>, number: u32, interval: TInterval<f32>) -> Hit<f32> {
         if !hit.mask {

@@ -9,8 +9,8 @@ pub enum Mode {
     Single,
     /// Blocks of consecutive coherent rays; packets of eight rays of one octant for the others.
     Packet,
-    /// Blocks of consecutive coherent rays; for the others, streams where the scene is one untransformed mesh, and packets
-    /// where it has instances.
+    /// Blocks of consecutive coherent rays; for the others, streams where the scene is one untransformed mesh, and
+    /// packets where it has instances.
     Auto,
 }
 

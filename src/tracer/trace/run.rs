@@ -11,16 +11,16 @@ use crate::tracer::scene::{Scene, Scratch};
 use crate::tracer::walk::block::{self, Outcome};
 use crate::tracer::walk::{Counter, TraversalStats};
 
-/// Rays per task. Incoherent rays become one stream per octant. A task is small enough to balance the threads and to stay in
-/// the cache, and large enough for its rays to share nodes.
+/// Rays per task. Incoherent rays become one stream per octant. A task is small enough to balance the threads and to
+/// stay in the cache, and large enough for its rays to share nodes.
 const CHUNK: usize = incoherent::CAPACITY;
 /// Rays that are sorted by octant together before they become packets.
 const PACKET_GROUP: usize = 256;
 
 /// Traces every ray and returns the hits in ray order. They are the same for every mode and number of threads.
 ///
-/// A hit is the closest one. With `any_hit` it only tells whether there is any: `t`, `u`, `v`, `primitive` and `instance` are
-/// then zero.
+/// A hit is the closest one. With `any_hit` it only tells whether there is any: `t`, `u`, `v`, `primitive` and
+/// `instance` are then zero.
 pub fn trace<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],

@@ -1,41 +1,42 @@
 //! A block: up to eight packets of eight rays with similar origins and directions, for coherent rays.
 //!
-//! One interval bounds all rays of the block; it is tested against the eight boxes of a node. For a child that survives, the
-//! eight intervals of the packets are tested against its box at once. In a leaf, the interval of each remaining packet is
-//! tested against the boxes of the triangles. Only triangles are tested against rays. (If the rays do not share an origin,
-//! each ray also tests the triangle's box first.)
+//! One interval bounds all rays of the block; it is tested against the eight boxes of a node. For a child that
+//! survives, the eight intervals of the packets are tested against its box at once. In a leaf, the interval of each
+//! remaining packet is tested against the boxes of the triangles. Only triangles are tested against rays. (If the rays
+//! do not share an origin, each ray also tests the triangle's box first.)
 //!
-//! **Source:** interval arithmetic for packets: S. Boulos, I. Wald, P. Shirley, "Geometric and Arithmetic Culling Methods for
-//! Entire Ray Packets", 2006. One interval against the children of a wide node: the coherent mode of Embree. Occluders: E.
-//! Haines, D. Greenberg, "The Light Buffer: A Shadow-Testing Accelerator", 1986.
+//! **Source:** interval arithmetic for packets: S. Boulos, I. Wald, P. Shirley, "Geometric and Arithmetic Culling
+//! Methods for Entire Ray Packets", 2006. One interval against the children of a wide node: the coherent mode of
+//! Embree. Occluders: E. Haines, D. Greenberg, "The Light Buffer: A Shadow-Testing Accelerator", 1986.
 //!
-//! **Why it culls no hit:** let the sign of a direction be known. The distance to a near plane, `(plane - origin)·inv`, is
-//! monotonic in origin and inverse direction under rounding, as long as it is positive. It is least for the origin nearest to
-//! the plane and the inverse direction nearest to zero. Where the plane lies behind some origin, the product is negative or
-//! zero, and the intervals of all rays start at zero or later. The same holds for far planes. A NaN (`0·∞`) drops out. So the
-//! interval enters no later and leaves no earlier than any of its rays, in the arithmetic of the box rule.
+//! **Why it culls no hit:** let the sign of a direction be known. The distance to a near plane, `(plane - origin)·inv`,
+//! is monotonic in origin and inverse direction under rounding, as long as it is positive. It is least for the origin
+//! nearest to the plane and the inverse direction nearest to zero. Where the plane lies behind some origin, the product
+//! is negative or zero, and the intervals of all rays start at zero or later. The same holds for far planes. A NaN
+//! (`0·∞`) drops out. So the interval enters no later and leaves no earlier than any of its rays, in the arithmetic of
+//! the box rule.
 //!
-//! **Where it fails:** if the rays of a packet are farther apart than triangles are wide, the packet tests triangles that none
-//! of its rays hits. Directions do not foretell that: it depends on distances and on the size of the triangles. So a block
-//! that has tested too many triangles gives up, and its rays join a stream.
+//! **Where it fails:** if the rays of a packet are farther apart than triangles are wide, the packet tests triangles
+//! that none of its rays hits. Directions do not foretell that: it depends on distances and on the size of the
+//! triangles. So a block that has tested too many triangles gives up, and its rays join a stream.
 //!
-//! **Occluders:** a block of any-hit rays first tests the triangle that the last block hit. In a closed room this ends three
-//! blocks in five. It also keeps rays of incoherent blocks out of the stream. Together: 1.3 times as fast. Testing the last two
-//! or four triangles ends another 4 or 5 % of the blocks, and was not faster.
+//! **Occluders:** a block of any-hit rays first tests the triangle that the last block hit. In a closed room this ends
+//! three blocks in five. It also keeps rays of incoherent blocks out of the stream. Together: 1.3 times as fast.
+//! Testing the last two or four triangles ends another 4 or 5 % of the blocks, and was not faster.
 //!
 //! Tried and not kept (Zen 4, shared machine, differences below 10 % are noise):
 //!
-//! - Bounds across the longest axis of the rays instead of intervals along all axes. They are tight for parallel rays from
-//!   different points. Primary rays 0.5 to 0.8 times the speed, since boxes of long triangles are entered early along one axis;
-//!   shadow rays 0.8 to 0.9.
-//! - The same bounds after the intervals, and for all shadow rays instead of streams: 0.75 to 0.95. They cull as well as
-//!   exact tests of boxes by rays, but small triangles make packets wait where streams do not.
-//! - In leaves, all packets against one triangle after the other, instead of all triangles against one packet after the other:
-//!   0.85 to 1.0.
-//! - Rays that start on a surface without the test of each triangle's box by rays: seven times the triangle tests on shadow
-//!   rays in a closed room, and 0.6 times the speed.
-//! - Never giving up, on primary rays turned at random by 0.01, 0.02, 0.05: 0.06 to 0.3, 0.01 to 0.1 and 0.004 to 0.02 times
-//!   the speed on a bunny and a terrain.
+//! - Bounds across the longest axis of the rays instead of intervals along all axes. They are tight for parallel rays
+//!   from different points. Primary rays 0.5 to 0.8 times the speed, since boxes of long triangles are entered early
+//!   along one axis; shadow rays 0.8 to 0.9.
+//! - The same bounds after the intervals, and for all shadow rays instead of streams: 0.75 to 0.95. They cull as well
+//!   as exact tests of boxes by rays, but small triangles make packets wait where streams do not.
+//! - In leaves, all packets against one triangle after the other, instead of all triangles against one packet after the
+//!   other: 0.85 to 1.0.
+//! - Rays that start on a surface without the test of each triangle's box by rays: seven times the triangle tests on
+//!   shadow rays in a closed room, and 0.6 times the speed.
+//! - Never giving up, on primary rays turned at random by 0.01, 0.02, 0.05: 0.06 to 0.3, 0.01 to 0.1 and 0.004 to 0.02
+//!   times the speed on a bunny and a terrain.
 //! - Giving up after 100 or 200 triangles: 0.65 to 0.85 and 0.75 to 0.95, on primary rays turned by 0 to 0.003.
 
 use glam::Vec3;
@@ -52,12 +53,13 @@ use crate::tracer::bvh::{Boxes, Bvh, Child};
 pub(crate) const PACKETS: usize = 8;
 /// Rays per block.
 pub(crate) const RAYS: usize = 8 * PACKETS;
-/// Factor that moves exits out by 8ε, ε = 2⁻²³. That is at least the padding of the box rule, however the products round.
+/// Factor that moves exits out by 8ε, ε = 2⁻²³. That is at least the padding of the box rule, however the products
+/// round.
 const PAD: f32 = 1.0 + 8.0 * f32::EPSILON;
 /// Largest spread of the directions of a block along any axis, relative to the longest component.
 const MAX_DIR_SPREAD: f32 = 0.15;
-/// Largest diagonal of the box of the origins, in mean triangle sizes. Beyond it, a block tests many triangles that most of
-/// its packets miss. Half or twice as much was 0.8 to 1.0 times as fast on shadow rays.
+/// Largest diagonal of the box of the origins, in mean triangle sizes. Beyond it, a block tests many triangles that
+/// most of its packets miss. Half or twice as much was 0.8 to 1.0 times as fast on shadow rays.
 const MAX_ORIGIN_EXTENT: f32 = 3.0;
 /// A block gives up after so many triangle tests, counted once per packet.
 const MAX_TRIANGLE_TESTS: u32 = 400;
@@ -190,8 +192,9 @@ impl Block {
         Extremes { low, high, no_nan: valid.all() }
     }
 
-    /// Computes the intervals, if the rays are coherent. Returns whether they are: all are valid, no `t_min` is negative, all
-    /// directions are in one octant and nearly equal, and the origins are close to each other relative to `item_size`.
+    /// Computes the intervals, if the rays are coherent. Returns whether they are: all are valid, no `t_min` is
+    /// negative, all directions are in one octant and nearly equal, and the origins are close to each other relative to
+    /// `item_size`.
     #[inline(always)]
     pub(crate) fn bound(&mut self, Extremes { low, high, no_nan }: Extremes, item_size: f32) -> bool {
         let [lx, ly, lz, t_least, ldx, ldy, ldz, _] = reduce(min8, low).to_array();
@@ -312,8 +315,8 @@ impl StackEntry {
 }
 
 impl Bvh {
-    /// Calls `test` with every leaf that a packet may hit, and a bit for each such packet. `test` updates the packets' limits
-    /// and [`Block::tests`]. Returns whether the walk came to its end; false if the block gave up.
+    /// Calls `test` with every leaf that a packet may hit, and a bit for each such packet. `test` updates the packets'
+    /// limits and [`Block::tests`]. Returns whether the walk came to its end; false if the block gave up.
     #[inline(always)]
     pub(crate) fn walk_block<const ANY: bool, T: Counter>(
         &self,

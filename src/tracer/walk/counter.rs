@@ -9,7 +9,8 @@ pub struct TraversalStats {
     pub nodes: u64,
     /// Leaves visited, each with up to eight triangles.
     pub leaves: u64,
-    /// Triangle tests: eight rays against one triangle, or one ray against up to eight. In scalar mode, one against one.
+    /// Triangle tests: eight rays against one triangle, or one ray against up to eight. In scalar mode, one against
+    /// one.
     pub tests: u64,
     /// Lanes of those tests in which the ray hits the triangle's box.
     pub lanes: u64,

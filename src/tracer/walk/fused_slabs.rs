@@ -10,15 +10,16 @@ use crate::kernels::aabb::InverseDirection;
 
 /// Error bound of `plane·inv - origin·inv`, relative to `(|origin| + largest |plane|)·|inv|`.
 ///
-/// With ε = 2⁻²⁴, the error against the monotonic `(plane - origin)·inv` is less than 6ε, and the padding of exits adds 8ε.
-/// 16ε covers both, and the rounding of the bound itself. [`f32::MIN_POSITIVE`] covers underflow.
+/// With ε = 2⁻²⁴, the error against the monotonic `(plane - origin)·inv` is less than 6ε, and the padding of exits adds
+/// 8ε. 16ε covers both, and the rounding of the bound itself. [`f32::MIN_POSITIVE`] covers underflow.
 pub(crate) const ERROR: f32 = 1.0 / 1_048_576.0;
 /// Above this `(|origin| + largest |plane|)·|inv|`, products may overflow, and the monotonic test is used instead.
 pub(crate) const LARGEST: f32 = 1e30;
 /// Cap on `|1 / dir|` per axis, relative to the smallest of the three axes.
 ///
-/// The capped value serves where a direction is zero or nearly zero. Near planes are then reached too early. Far planes are
-/// reached so late that the ray has left the tree before, along its longest axis. Both only make the test less strict.
+/// The capped value serves where a direction is zero or nearly zero. Near planes are then reached too early. Far planes
+/// are reached so late that the ray has left the tree before, along its longest axis. Both only make the test less
+/// strict.
 pub(crate) const STEEPEST: f32 = 1.152_921_5e18;
 
 /// One ray, prepared for the fused slab test.

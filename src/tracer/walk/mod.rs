@@ -1,7 +1,7 @@
 //! Ways to walk a tree: which nodes and leaves a ray, or many rays, visit.
 //!
-//! Every walk visits the same tree and gives the same hits. What happens in a leaf is not here but in `leaf`, which has a
-//! file of the same name for each walk.
+//! Every walk visits the same tree and gives the same hits. What happens in a leaf is not here but in `leaf`, which has
+//! a file of the same name for each walk.
 
 pub(crate) mod block;
 mod counter;

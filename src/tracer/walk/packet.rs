@@ -1,17 +1,17 @@
-//! Eight rays of one octant, for as long as they stay together: each of them is tested against every box of a node. A ray that
-//! reaches a subtree alone walks it as a single ray.
+//! Eight rays of one octant, for as long as they stay together: each of them is tested against every box of a node. A
+//! ray that reaches a subtree alone walks it as a single ray.
 //!
-//! In a single mesh, `stream` shares more node visits and is 1.2 to 1.8 times as fast. Packets serve scenes with instances,
-//! where eight rays enter an instance together, and callers that bring eight rays.
+//! In a single mesh, `stream` shares more node visits and is 1.2 to 1.8 times as fast. Packets serve scenes with
+//! instances, where eight rays enter an instance together, and callers that bring eight rays.
 //!
-//! **Source:** packets: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing", 2001.
-//! Single-ray fallback: C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and Packet-Ray Tracing for
-//! Arbitrary Ray Distributions on the Intel MIC Architecture", 2012.
+//! **Source:** packets: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray
+//! Tracing", 2001. Single-ray fallback: C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and
+//! Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012.
 //!
-//! Tried and not kept (Zen 4, shared machine, differences below 10 % are noise): children in the order of the distances at which
-//! one of the rays enters them, instead of by octant: 4 to 10 % fewer nodes, and 0.83 to 1.02 times the speed on closest hits.
-//! Single rays from two active lanes on, instead of one: 0.84 to 1.1 times. Sorting 64 rays by octant instead of 256: 0.75 to
-//! 1.1 times.
+//! Tried and not kept (Zen 4, shared machine, differences below 10 % are noise): children in the order of the distances
+//! at which one of the rays enters them, instead of by octant: 4 to 10 % fewer nodes, and 0.83 to 1.02 times the speed
+//! on closest hits. Single rays from two active lanes on, instead of one: 0.84 to 1.1 times. Sorting 64 rays by octant
+//! instead of 256: 0.75 to 1.1 times.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -180,8 +180,8 @@ impl Bvh {
 
     /// Visits the leaves that the rays of one group may hit, the nearest children first.
     ///
-    /// With `ANY` the farthest children come first: such rays mostly start on surfaces that they do not hit (0.64 times the
-    /// nodes on shadow rays in a closed room).
+    /// With `ANY` the farthest children come first: such rays mostly start on surfaces that they do not hit (0.64 times
+    /// the nodes on shadow rays in a closed room).
     #[inline(always)]
     fn walk_group<const ANY: bool>(
         &self,

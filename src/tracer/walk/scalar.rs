@@ -19,11 +19,11 @@ impl StackEntry {
 }
 
 impl Bvh {
-    /// Returns the closest of `best` and all hits in the leaves, by [`Hit::is_closer_than`]. With `ANY`, returns as soon as
-    /// `best` is a hit.
+    /// Returns the closest of `best` and all hits in the leaves, by [`Hit::is_closer_than`]. With `ANY`, returns as
+    /// soon as `best` is a hit.
     ///
-    /// `test` gets a leaf and the best hit so far, and replaces it by a closer one. The walk may skip a leaf whose box the
-    /// ray misses, or enters strictly beyond the best hit.
+    /// `test` gets a leaf and the best hit so far, and replaces it by a closer one. The walk may skip a leaf whose box
+    /// the ray misses, or enters strictly beyond the best hit.
     #[inline(always)]
     pub(crate) fn walk_scalar<const ANY: bool, T: Counter>(
         &self,

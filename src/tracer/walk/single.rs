@@ -1,8 +1,9 @@
 //! One ray against the eight boxes of a node at a time: for rays that have little in common.
 //!
-//! Tried and not kept (Zen 4, shared machine, differences below 10 % are noise): children put on the stack in the order of the
-//! ray's octant, with neither branch nor comparison, instead of sorted: 0.98 to 1.08 times the speed on incoherent rays, 0.55
-//! to 0.76 times on primary rays. Prefetching leaves when they are put on the stack, which needs `unsafe`: 1.03 to 1.10 times.
+//! Tried and not kept (Zen 4, shared machine, differences below 10 % are noise): children put on the stack in the order
+//! of the ray's octant, with neither branch nor comparison, instead of sorted: 0.98 to 1.08 times the speed on
+//! incoherent rays, 0.55 to 0.76 times on primary rays. Prefetching leaves when they are put on the stack, which needs
+//! `unsafe`: 1.03 to 1.10 times.
 
 use wide::f32x8;
 
@@ -82,8 +83,8 @@ impl StackEntry {
     pub(crate) const EMPTY: Self = Self { entry: 0.0, child: Child::NONE };
 }
 
-/// What the walk does in a leaf. A trait and not a closure: a closure that is called from two places is not inlined. A call
-/// inside the walk costs as much as a node, since no register survives it.
+/// What the walk does in a leaf. A trait and not a closure: a closure that is called from two places is not inlined. A
+/// call inside the walk costs as much as a node, since no register survives it.
 pub(crate) trait Leaves<T> {
     /// Replaces `best` by a closer hit of this leaf, if there is one; for rays that ask for any hit, by any hit.
     fn test(&mut self, leaf: usize, best: &mut Hit<f32>, counter: &mut T);

@@ -1,7 +1,7 @@
 //! The stack of subtrees that a walk has still to visit.
 
-/// Capacity of a stack. A power of two: an index is then made valid by a mask and not by a branch. Single rays were 1.1 to
-/// 1.3 times as fast as with a vector.
+/// Capacity of a stack. A power of two: an index is then made valid by a mask and not by a branch. Single rays were 1.1
+/// to 1.3 times as fast as with a vector.
 const CAPACITY: usize = 512;
 
 /// Memory for a stack, reused from walk to walk.
@@ -27,8 +27,8 @@ impl<T: Copy> StackStorage<T> {
 
 /// A stack with one capacity check per node, in [`Stack::make_room`], instead of one per child.
 ///
-/// It is a local variable of the walk, which keeps `top` in a register. Trees of real meshes stay within the capacity; a
-/// deeper tree spills to the heap.
+/// It is a local variable of the walk, which keeps `top` in a register. Trees of real meshes stay within the capacity;
+/// a deeper tree spills to the heap.
 #[derive(Debug)]
 pub(crate) struct Stack<'a, T> {
     entries: &'a mut [T; CAPACITY],
@@ -69,8 +69,8 @@ impl<T: Copy> Stack<'_, T> {
         self.top
     }
 
-    /// Inserts `entry` above the first `base` entries. From the top down, entries for which `moves_up(it, entry)` holds move
-    /// up by one; `entry` goes below them.
+    /// Inserts `entry` above the first `base` entries. From the top down, entries for which `moves_up(it, entry)` holds
+    /// move up by one; `entry` goes below them.
     #[inline(always)]
     pub(crate) fn insert_above(&mut self, base: usize, entry: T, moves_up: impl Fn(&T, &T) -> bool) {
         let mut at = self.top;

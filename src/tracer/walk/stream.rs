@@ -1,12 +1,12 @@
 //! A stream: many rays of one octant that need have nothing else in common.
 //!
-//! A node takes the list of rays that may hit it and makes a list for each of its children. Rays that start near each other
-//! share most of their nodes, in whatever direction they run, so nearly all lists are long. The tests of different rays are
-//! independent: none waits for the result of another, as consecutive tests of a single ray do.
+//! A node takes the list of rays that may hit it and makes a list for each of its children. Rays that start near each
+//! other share most of their nodes, in whatever direction they run, so nearly all lists are long. The tests of
+//! different rays are independent: none waits for the result of another, as consecutive tests of a single ray do.
 //!
-//! **Source:** J. Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", 2009. Order and lists: R. Barringer, T.
-//! Akenine-Möller, "Dynamic Ray Stream Traversal", 2014. Here, long lists test eight rays against one box at a time, short
-//! lists one ray against eight boxes, and children are visited in the order of the octant.
+//! **Source:** J. Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", 2009. Order and lists: R. Barringer,
+//! T. Akenine-Möller, "Dynamic Ray Stream Traversal", 2014. Here, long lists test eight rays against one box at a time,
+//! short lists one ray against eight boxes, and children are visited in the order of the octant.
 //!
 //! Tried and not kept (Zen 4, shared machine, differences below 10 % are noise):
 //!
@@ -97,8 +97,8 @@ pub(crate) trait Leaves<T> {
 }
 
 impl Bvh {
-    /// Visits the leaves that the rays with these numbers may hit. Their directions are in `octant`, their [`StreamRay`]s are
-    /// in `scratch.rays`, and none has a `t_min` below `t_min`.
+    /// Visits the leaves that the rays with these numbers may hit. Their directions are in `octant`, their
+    /// [`StreamRay`]s are in `scratch.rays`, and none has a `t_min` below `t_min`.
     #[inline(always)]
     pub(crate) fn walk_stream<const ANY: bool, T: Counter>(
         &self,
@@ -120,8 +120,8 @@ impl Bvh {
                 Err(number) => {
                     counter.node();
                     let node = &self.nodes[number];
-                    // A list is written eight numbers at a time, so it needs room for eight more. Lists above this one belong
-                    // to children that have been visited.
+                    // A list is written eight numbers at a time, so it needs room for eight more. Lists above this one
+                    // belong to children that have been visited.
                     let (base, room) = (start + len + 8, len + 8);
                     if lists.len() < base + 8 * room {
                         lists.resize(2 * (base + 8 * room), 0);
