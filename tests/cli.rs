@@ -1,4 +1,4 @@
-//! The program as its users meet it: what it prints and writes, and that whatever is wrong gives one line and exit code 2.
+//! Runs the program: what it prints and writes, that an error is one line and exit code 2, and what an interrupt does.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use raylanes::geom::{Hit, Ray};
 use raylanes::kernels::triangle::Cramer;
 use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, checksum, trace, write_rays};
 
-/// A folder that is removed at the end of the test.
+/// A temporary folder; it is removed at the end of the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -20,7 +20,7 @@ impl Folder {
         Self(path)
     }
 
-    /// What is in it, sorted.
+    /// The names in it, sorted.
     fn names(&self) -> Vec<String> {
         names(&self.0)
     }
@@ -53,8 +53,8 @@ fn program() -> Command {
     Command::new(env!("CARGO_BIN_EXE_raylanes"))
 }
 
-/// The lines that are no advice about the build.
-fn complaints(stderr: &[u8]) -> Vec<String> {
+/// The lines of standard error, without the note about a slow build.
+fn error_lines(stderr: &[u8]) -> Vec<String> {
     let text = String::from_utf8(stderr.to_vec()).unwrap();
     text.lines().filter(|line| !line.starts_with("note: built without")).map(String::from).collect()
 }
@@ -66,12 +66,13 @@ fn succeeds(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Exit code 2, nothing on standard output, and one line on standard error that contains all of these.
+/// Checks that the program fails: exit code 2, nothing on standard output, and one line on standard error that contains
+/// all `words`.
 fn fails(arguments: &[&str], words: &[&str]) {
     fails_in(Path::new("."), arguments, words);
 }
 
-/// The same in another current folder.
+/// [`fails`] in another current folder.
 fn fails_in(folder: &Path, arguments: &[&str], words: &[&str]) {
     let output = program().args(arguments).current_dir(folder).output().unwrap();
     let error = String::from_utf8(output.stderr).unwrap();
@@ -79,7 +80,7 @@ fn fails_in(folder: &Path, arguments: &[&str], words: &[&str]) {
     assert!(output.stdout.is_empty(), "{arguments:?}");
     assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
     for word in words {
-        assert!(error.contains(word), "{arguments:?} should say {word}: {error}");
+        assert!(error.contains(word), "{arguments:?}: {word} is not in: {error}");
     }
 }
 
@@ -87,14 +88,14 @@ fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// What a hit file holds of a hit.
+/// The four words of a hit in a hit file.
 fn four_words(hit: &Hit<f32>) -> [u32; 4] {
     let [t, u, v, primitive, _] = hit.to_bits();
     [t, u, v, primitive]
 }
 
 #[test]
-fn the_list_names_every_kernel() {
+fn list_shows_kernels_and_claims() {
     let list = succeeds(&["list"]);
     for id in ["aabb/padded", "triangle/cramer", "instance/subtract_first/triangle/moller_trumbore", "conservative"] {
         assert!(list.contains(id), "{id} is not in\n{list}");
@@ -102,7 +103,7 @@ fn the_list_names_every_kernel() {
 }
 
 #[test]
-fn wrong_names_say_what_would_be_right() {
+fn a_wrong_argument_is_an_error_that_says_what_was_expected() {
     fails(&["trace", "rooom"], &["rooom", "room", "terrain", "sphere", "OBJ"]);
     fails(&["trace", "terrain:7"], &["terrain", "7"]);
     fails(&["trace", "room:small", "--kernel", "triangle/woo"], &["triangle/woo", "triangle/cramer"]);
@@ -123,12 +124,12 @@ fn wrong_names_say_what_would_be_right() {
 
 #[cfg(not(feature = "peers"))]
 #[test]
-fn a_build_without_peers_says_how_to_get_them() {
+fn a_build_without_peers_says_how_to_build_with_them() {
     fails(&["study", "--peers"], &["--peers", "cargo run --release --features peers"]);
 }
 
 #[test]
-fn broken_meshes_are_told_by_file_line_and_value() {
+fn an_error_in_a_mesh_names_file_line_and_value() {
     let folder = Folder::new("meshes");
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (name, content, words) in [
@@ -150,7 +151,7 @@ fn broken_meshes_are_told_by_file_line_and_value() {
 }
 
 #[test]
-fn broken_ray_files_are_refused() {
+fn an_incomplete_or_empty_ray_file_is_an_error() {
     let folder = Folder::new("rays");
     let cut = folder.file("cut.rays", [0; 100]);
     fails(&["trace", "room:small", "--rays", text(&cut)], &["cut.rays", "100"]);
@@ -160,7 +161,7 @@ fn broken_ray_files_are_refused() {
 }
 
 #[test]
-fn hit_files_hold_the_hits_of_ray_files_in_order() {
+fn a_hit_file_holds_the_hits_in_the_order_of_the_ray_file() {
     let folder = Folder::new("hits");
     let source = SceneSource::parse("room:small").unwrap();
     let LoadedScene { world, view, .. } = source.load().unwrap();
@@ -189,7 +190,7 @@ fn hit_files_hold_the_hits_of_ray_files_in_order() {
             assert!(result[key].as_f64().unwrap() > 0.0, "{key}: {result}");
         }
         assert!(result["threads"].as_u64().unwrap() >= 1);
-        assert_eq!(result["mode"], mode, "the mode that was asked for, also where it chooses another");
+        assert_eq!(result["mode"], mode, "the mode that was asked for, even if auto chooses another");
 
         let bytes = fs::read(&hit_file).unwrap();
         let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<_>>();
@@ -198,7 +199,7 @@ fn hit_files_hold_the_hits_of_ray_files_in_order() {
 }
 
 #[test]
-fn the_default_is_watertight_and_chooses_its_mode() {
+fn the_default_is_a_watertight_kernel_and_mode_auto() {
     let traced = |arguments: &[&str]| -> serde_json::Value {
         let common = ["trace", "sphere:small", "--size", "32x32", "--repeat", "1", "--json"];
         serde_json::from_str(&succeeds(&[&common, arguments].concat())).unwrap()
@@ -206,7 +207,7 @@ fn the_default_is_watertight_and_chooses_its_mode() {
     let result = traced(&[]);
     assert_eq!((&result["kernel"], &result["mode"]), (&"triangle/woop".into(), &"auto".into()));
     assert_eq!(result["checksum"], traced(&["--kernel", "triangle/woop", "--mode", "scalar"])["checksum"]);
-    // The terminal tells what JSON does.
+    // The text has the same facts as JSON.
     let text = succeeds(&["trace", "sphere:small", "--size", "32x32", "--repeat", "1"]);
     for word in ["built in", "MB", "kernel triangle/woop, mode auto"] {
         assert!(text.contains(word), "{text}");
@@ -214,7 +215,7 @@ fn the_default_is_watertight_and_chooses_its_mode() {
 }
 
 #[test]
-fn hit_files_of_pictures_are_row_by_row() {
+fn a_hit_file_of_a_picture_is_row_by_row() {
     let folder = Folder::new("rows");
     let hit_file = folder.0.join("picture.hits");
     // A sphere in the middle: the corners of the picture miss, its middle hits.
@@ -226,12 +227,12 @@ fn hit_files_of_pictures_are_row_by_row() {
     for y in 0..30 {
         let row: Vec<_> = (0..50).map(|x| hit(x, y)).collect();
         let edges = row.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        assert!(edges == 0 || edges == 2, "row {y} is not one run of hits: {row:?}");
+        assert!(edges == 0 || edges == 2, "the hits of row {y} are not consecutive: {row:?}");
     }
 }
 
 #[test]
-fn pictures_have_the_size_that_was_asked_for() {
+fn render_writes_every_shade_in_the_requested_size() {
     let folder = Folder::new("pictures");
     for shade in ["lambert", "normals", "depth", "primitives", "instances", "ambient-occlusion"] {
         let out = folder.0.join(format!("{shade}.png"));
@@ -239,7 +240,7 @@ fn pictures_have_the_size_that_was_asked_for() {
         let picture = image::open(&out).unwrap().to_rgb8();
         assert_eq!(picture.dimensions(), (37, 21));
         let first = picture.get_pixel(0, 0);
-        // One instance has one colour, but darker where it is seen at an angle.
+        // Even the one colour of an instance is darker where the surface is seen at an angle.
         assert!(picture.pixels().any(|pixel| pixel != first), "{shade} shows nothing");
     }
     let same = |mode: &str, threads: &str| {
@@ -254,7 +255,7 @@ fn pictures_have_the_size_that_was_asked_for() {
 }
 
 #[test]
-fn two_kernels_are_compared_pixel_by_pixel() {
+fn compare_counts_and_marks_the_pixels_where_two_kernels_differ() {
     let folder = Folder::new("compare");
     let (out, marked) = (folder.0.join("out.png"), folder.0.join("out-compare.png"));
     let compare = |kernel: &str, other: &str| {
@@ -264,11 +265,11 @@ fn two_kernels_are_compared_pixel_by_pixel() {
         assert!(printed.contains("of 4096 pixels differ") && printed.contains("out-compare.png"), "{printed}");
         let picture = image::open(&marked).unwrap().to_rgb8();
         let coloured = picture.pixels().filter(|pixel| pixel.0.iter().any(|&byte| byte != pixel.0[0])).count();
-        assert_eq!(coloured, count, "the picture marks what is counted");
+        assert_eq!(coloured, count, "the number of marked pixels is the number printed");
         printed
     };
     assert!(compare("woop", "woop").starts_with("0 of") && compare("woop", "woop").contains("On 0 more pixels"));
-    assert!(!compare("woop", "baldwin_weber").contains("On 0 more pixels"), "two methods round alike");
+    assert!(!compare("woop", "baldwin_weber").contains("On 0 more pixels"), "no t differs between two methods");
     for (kernel, other) in [("nonsense", "woop"), ("woop", "nonsense"), ("woop", "aabb/padded"), ("naive", "woop")] {
         let arguments = ["render", "sphere:small", "-o", "never.png", "--kernel", kernel, "--compare", other];
         fails(&arguments, &["kernel: expected one of", "triangle/woop"]);
@@ -276,18 +277,18 @@ fn two_kernels_are_compared_pixel_by_pixel() {
 }
 
 #[test]
-fn what_cannot_be_written_is_an_error_and_leaves_nothing_behind() {
+fn a_failed_write_is_an_error_and_leaves_nothing_behind() {
     let folder = Folder::new("unwritable");
     let nowhere = folder.0.join("no/such/folder/out.png");
     fails(&["render", "room:small", "--size", "8x8", "-o", text(&nowhere)], &["out.png"]);
     let file = folder.file("file", "kept");
     fails(&["study", "room:small", "--quick", "--out", text(&file.join("below"))], &["below"]);
     assert_eq!(fs::read_to_string(&file).unwrap(), "kept");
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1, "only the file that was there");
+    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1, "something was left behind");
 }
 
-/// A disk that fills up while a file is written, played by a limit on file sizes. (Not by handing `/dev/full` to the
-/// program: should it ever replace what it writes to, that would cost the machine its device.)
+/// A limit on file sizes stands for a disk that fills up. Writing to `/dev/full` would be dangerous: a bug that
+/// replaces the target would delete the device.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
@@ -318,7 +319,7 @@ fn a_full_standard_output_is_an_error() {
 }
 
 #[test]
-fn a_reader_that_stops_early_is_no_error() {
+fn closing_standard_output_early_is_no_error() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_raylanes"))
         .arg("list")
         .stdout(Stdio::piped())
@@ -331,13 +332,13 @@ fn a_reader_that_stops_early_is_no_error() {
 }
 
 #[test]
-fn a_record_is_new_and_dated() {
+fn a_record_goes_to_a_new_dated_folder() {
     let folder = Folder::new("record");
-    // Colours in a pipe, where they are asked for.
+    // `CLICOLOR_FORCE` asks for colours even in a pipe.
     let mut program = program();
     let output = program.args(["study", "--quick", "--record", "first"]).current_dir(&folder.0);
     let output = output.env("CLICOLOR_FORCE", "1").env_remove("NO_COLOR").output().unwrap();
-    assert_eq!((output.status.code(), complaints(&output.stderr)), (Some(0), vec![]));
+    assert_eq!((output.status.code(), error_lines(&output.stderr)), (Some(0), vec![]));
     let [record] = &names(&folder.0.join("reports"))[..] else { panic!("{:?}", names(&folder.0.join("reports"))) };
     let date = record.strip_suffix("-first").unwrap();
     assert!(date.len() == 10 && date.split('-').all(|part| part.parse::<u32>().is_ok()), "{date}");
@@ -356,19 +357,19 @@ fn a_record_is_new_and_dated() {
 }
 
 #[test]
-fn a_study_is_plain_text_where_no_colour_is_wanted() {
+fn no_color_makes_the_table_plain_text() {
     let folder = Folder::new("plain");
     let mut program = program();
     let output = program.args(["study", "room:small", "--quick", "--out", "out"]).current_dir(&folder.0);
     let output = output.env("NO_COLOR", "1").env("CLICOLOR_FORCE", "1").output().unwrap();
-    assert_eq!((output.status.code(), complaints(&output.stderr)), (Some(0), vec![]));
+    assert_eq!((output.status.code(), error_lines(&output.stderr)), (Some(0), vec![]));
     let printed = String::from_utf8(output.stdout).unwrap();
     assert!(!printed.contains('\x1b') && printed.contains("\nWritten to out: report.html"), "{printed}");
     assert!(names(&folder.0.join("out")).iter().any(|name| name == "results.json"));
 }
 
 #[test]
-fn records_that_could_not_be_written_are_refused_before_anything_is_measured() {
+fn an_impossible_record_is_refused_before_the_study_starts() {
     let folder = Folder::new("refused");
     for name in ["", ".hidden", "a/b", "..", "a b", "ä"] {
         let mut program = program();
@@ -385,10 +386,10 @@ fn records_that_could_not_be_written_are_refused_before_anything_is_measured() {
     folder.file("reports", "a file");
     fails_in(&folder.0, &["study", "--quick", "--record", "a"], &["reports", "-a", "Not a directory"]);
     assert_eq!(folder.names(), ["reports"]);
-    assert!(begin.elapsed() < Duration::from_secs(5), "a study takes longer, even a quick one");
+    assert!(begin.elapsed() < Duration::from_secs(5), "the study was started");
 }
 
-/// Interrupting for real, by signals.
+/// Interrupts the program with real signals.
 #[cfg(target_os = "linux")]
 mod interrupted {
     use std::io::Read;
@@ -398,8 +399,8 @@ mod interrupted {
 
     const NOTHING: &str = "raylanes: interrupted, nothing was written";
 
-    /// Starts the program, with signals as they are on a terminal, also where the tests run under `nohup`; waits until it is
-    /// ready for one.
+    /// Starts the program and waits until it handles signals. Signals have their default action, even if the tests run
+    /// under `nohup`.
     fn start(folder: &Folder, arguments: &[&str]) -> Child {
         let mut program = Command::new("env");
         program.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_raylanes")]).args(arguments);
@@ -409,29 +410,29 @@ mod interrupted {
             let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
             u64::from_str_radix(caught.trim(), 16).unwrap() >> 14 & 1 == 1
         };
-        wait_until("it is ready", ready);
+        wait_until("the program handles signals", ready);
         child
     }
 
     fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
         let begin = Instant::now();
         while !is_so() {
-            assert!(begin.elapsed() < Duration::from_secs(60), "waited in vain until {what}");
+            assert!(begin.elapsed() < Duration::from_secs(60), "{what}: not within a minute");
             std::thread::sleep(Duration::from_millis(1));
         }
     }
 
-    /// Sends a signal; tells the exit code and the lines on standard error.
+    /// Sends a signal; returns the exit code and the lines of standard error.
     fn interrupt(mut child: Child, signal: &str) -> (Option<i32>, Vec<String>) {
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
-        wait_until("it exits", || child.try_wait().unwrap().is_some());
+        wait_until("the program exits", || child.try_wait().unwrap().is_some());
         let mut stderr = Vec::new();
         child.stderr.take().unwrap().read_to_end(&mut stderr).unwrap();
-        (child.wait().unwrap().code(), complaints(&stderr))
+        (child.wait().unwrap().code(), error_lines(&stderr))
     }
 
     #[test]
-    fn a_study_leaves_nothing_behind() {
+    fn an_interrupted_study_leaves_nothing_behind() {
         let folder = Folder::new("interrupted-study");
         for (delay, signal) in [(0, "-INT"), (20, "-TERM"), (500, "-INT"), (2000, "-INT")] {
             for target in [["--record", "x"], ["--out", "some/where"]] {
@@ -444,13 +445,13 @@ mod interrupted {
     }
 
     #[test]
-    fn files_are_whole_or_not_there_and_it_says_which() {
+    fn an_interrupted_file_is_complete_or_absent_and_the_message_says_which() {
         let folder = Folder::new("interrupted-file");
         let arguments = ["trace", "room:small", "--size", "1024x1024", "--repeat", "1", "--hits", "out"];
         let mut outcomes = [0; 2];
         for step in 0..24 {
             let child = start(&folder, &arguments);
-            // From before the scene is built to after all is written.
+            // The delays reach from before the scene is built to after everything is written.
             std::thread::sleep(Duration::from_millis(25 * step));
             let (code, lines) = interrupt(child, "-INT");
             let written = folder.names();
@@ -466,11 +467,11 @@ mod interrupted {
             }
             outcomes[usize::from(!written.is_empty())] += 1;
         }
-        assert!(outcomes[0] > 0, "{outcomes:?}: all came too late");
+        assert!(outcomes[0] > 0, "{outcomes:?}: every interrupt came too late");
     }
 
     #[test]
-    fn output_that_nobody_reads_does_not_keep_it() {
+    fn waiting_for_a_reader_does_not_block_the_interrupt() {
         let folder = Folder::new("interrupted-output");
         let arguments = ["trace", "room:small", "--size", "256x256", "--repeat", "1", "--hits", "/dev/stdout"];
         let mut child = start(&folder, &arguments);

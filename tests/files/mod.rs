@@ -1,4 +1,4 @@
-//! Files of one test, whole and mutilated.
+//! Temporary files for tests of loaders, and random damage to their content.
 
 use std::fs;
 use std::path::PathBuf;
@@ -25,13 +25,13 @@ impl Files {
         path
     }
 
-    /// Takes the directory out of a message: it differs from run to run.
+    /// Removes the directory from a message, since it differs from run to run.
     pub(crate) fn shorten(&self, message: &str) -> String {
         message.replace(&format!("{}/", self.0.path().display()), "")
     }
 }
 
-/// Replaces, inserts, removes or repeats a few bytes, with a liking for `pieces`.
+/// Replaces, inserts, removes or repeats a few bytes at random. Inserts are taken from `pieces`.
 pub(crate) fn mutate(text: &str, pieces: &[&str], random: &mut Random) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=random.below(4) {
@@ -51,7 +51,7 @@ pub(crate) fn mutate(text: &str, pieces: &[&str], random: &mut Random) -> Vec<u8
     bytes
 }
 
-/// Whether a message is what a terminal shows in one line, and not a page long.
+/// Whether a message is one line for a terminal, of less than 400 characters.
 pub(crate) fn is_short_line(text: &str) -> bool {
     !text.contains(char::is_control) && text.chars().count() < 400
 }

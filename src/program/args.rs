@@ -1,0 +1,231 @@
+//! The arguments of the program. Their doc comments are the text of `--help`.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::Vec3;
+use raylanes::kernels::Kernel;
+use raylanes::study::TracerKernel;
+use raylanes::tracer::{self, BuiltIn, Mode, Shade};
+
+/// Measures ray-intersection kernels: how fast and how accurate each of them is.
+#[derive(Parser)]
+#[command(version, after_help = scene_help())]
+pub(super) struct Arguments {
+    /// Without a command, `study` measures the built-in scenes.
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+pub(super) enum Command {
+    /// Measure every kernel and the tracer; write results.json, report.html, report.md and charts.
+    Study(StudyArguments),
+    /// Trace the rays of a picture or of a file; print the speed.
+    Trace(TraceArguments),
+    /// Trace and shade a picture; write it as PNG.
+    Render(RenderArguments),
+    /// List the kernels: ID, operations, bytes, claims and idea.
+    List,
+}
+
+const DEFAULT_OUT: &str = "reports/latest";
+const DEFAULT_SEED: u64 = 2026;
+
+#[derive(Args)]
+pub(super) struct StudyArguments {
+    /// Scenes for the tracer's tables [default: room, terrain:1e5, sphere, forest:10000 and gallery].
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Use fewer rays, samples and pixels. This shows that everything works; do not trust the figures.
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Measure the cost of a ray up to ten million triangles instead of one million. Takes minutes and gigabytes more.
+    #[arg(long)]
+    pub(super) large: bool,
+    /// Folder for the results. They replace older results there.
+    #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
+    pub(super) out: PathBuf,
+    /// Write a record to keep, in the new folder reports/<date>-NAME, with today's date in UTC. An existing record is
+    /// never changed.
+    #[arg(long, value_name = "NAME", conflicts_with = "out", value_parser = parse_record_name)]
+    pub(super) record: Option<String>,
+    /// Seed of all random inputs.
+    #[arg(long, default_value_t = DEFAULT_SEED)]
+    pub(super) seed: u64,
+    /// Also trace with obvhs, bvh and parry3d, in scenes that are one mesh. Needs a build with the feature "peers".
+    #[arg(long)]
+    pub(super) peers: bool,
+}
+
+impl Default for StudyArguments {
+    fn default() -> Self {
+        Self {
+            scenes: Vec::new(),
+            quick: false,
+            large: false,
+            out: DEFAULT_OUT.into(),
+            record: None,
+            seed: DEFAULT_SEED,
+            peers: false,
+        }
+    }
+}
+
+/// The arguments that `trace` and `render` share.
+#[derive(Args)]
+pub(super) struct SceneArguments {
+    /// A scene file (*.toml), an OBJ file (*.obj) or a built-in scene.
+    pub(super) scene: String,
+    /// Triangle kernel, by ID or name; see `raylanes list`.
+    #[arg(long, value_name = "ID", default_value = <TracerKernel as Kernel>::INFO.id.method)]
+    pub(super) kernel: String,
+    /// Quadric kernel, by ID or name.
+    #[arg(long, value_name = "ID", default_value = "mixed")]
+    pub(super) quadric_kernel: String,
+    /// How rays are traced. The hits are the same in every mode.
+    #[arg(long, default_value = Mode::Auto.name(), value_parser = mode_parser())]
+    pub(super) mode: Mode,
+    /// Number of threads; 0 means one for each processor.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub(super) threads: u16,
+    /// Size of the picture in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", value_parser = parse_size)]
+    pub(super) size: (u32, u32),
+    /// Camera position [default: the scene's own, or outside the scene with all of it in view].
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = tracer::parse_point,
+        requires = "look_at",
+        allow_hyphen_values = true
+    )]
+    pub(super) eye: Option<Vec3>,
+    /// Point in the middle of the picture.
+    #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "eye", allow_hyphen_values = true)]
+    pub(super) look_at: Option<Vec3>,
+    /// Vertical field of view in degrees, for a camera given by --eye.
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_field_of_view)]
+    pub(super) fov: f32,
+}
+
+#[derive(Args)]
+pub(super) struct TraceArguments {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    /// Trace the rays of this file instead of a picture's. Per ray: raw little-endian f32,
+    /// `ox oy oz t_min dx dy dz t_max`.
+    #[arg(long, value_name = "FILE")]
+    pub(super) rays: Option<PathBuf>,
+    /// Find out only whether a ray hits anything. A hit then has t = u = v = 0 and primitive 0.
+    #[arg(long)]
+    pub(super) any_hit: bool,
+    /// Trace N times and report the median speed.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) repeat: u32,
+    /// Write the hits to this file, in ray order (of a picture: row by row from the upper left). Per ray: little-endian
+    /// `t u v` as f32 and the primitive number as u32.
+    #[arg(long, value_name = "FILE")]
+    pub(super) hits: Option<PathBuf>,
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct RenderArguments {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    /// PNG file to write.
+    #[arg(short, long, value_name = "OUT.png")]
+    pub(super) out: PathBuf,
+    /// What a pixel shows.
+    #[arg(long, value_enum, default_value_t = ShadeArgument::Lambert)]
+    pub(super) shade: ShadeArgument,
+    /// Trace with this triangle or quadric kernel too. Writes a second picture, OUT-compare.png, which marks the pixels
+    /// where the two kernels hit different things, and prints how many there are.
+    #[arg(long, value_name = "ID")]
+    pub(super) compare: Option<String>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum ShadeArgument {
+    /// Diffuse reflection with hard shadows.
+    Lambert,
+    /// Geometric normals as colours.
+    Normals,
+    /// Distance from the eye.
+    Depth,
+    /// A colour for each primitive.
+    Primitives,
+    /// A colour for each instance.
+    Instances,
+    /// How much of the hemisphere above the surface is open.
+    AmbientOcclusion,
+}
+
+impl From<ShadeArgument> for Shade {
+    fn from(argument: ShadeArgument) -> Self {
+        match argument {
+            ShadeArgument::Lambert => Self::Lambert,
+            ShadeArgument::Normals => Self::Normals,
+            ShadeArgument::Depth => Self::Depth,
+            ShadeArgument::Primitives => Self::Primitives,
+            ShadeArgument::Instances => Self::Instances,
+            ShadeArgument::AmbientOcclusion => Self::AmbientOcclusion,
+        }
+    }
+}
+
+/// The last paragraph of `--help`.
+fn scene_help() -> String {
+    format!(
+        "SCENE is an OBJ file (*.obj), a scene file (*.toml) or a built-in scene: {}. \
+         All but the last take a size: room:small, terrain:1e6.",
+        BuiltIn::NAMES.join(", ")
+    )
+}
+
+/// Largest number of pixels of a picture: 8192 × 8192.
+const MAX_PIXELS: u64 = 1 << 26;
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    match parsed {
+        Some((width, height)) if (1..=MAX_PIXELS).contains(&(u64::from(width) * u64::from(height))) => {
+            Ok((width, height))
+        }
+        _ => Err(format!("expected WIDTHxHEIGHT with 1 to {MAX_PIXELS} pixels, such as 1024x768")),
+    }
+}
+
+fn parse_record_name(text: &str) -> Result<String, String> {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    if text.is_empty() || text.starts_with('.') || !text.chars().all(allowed) {
+        return Err("expected letters, digits, '-', '_' and '.', and no '.' at the start".into());
+    }
+    Ok(text.into())
+}
+
+/// Accepts the names of the modes.
+fn mode_parser() -> impl TypedValueParser<Value = Mode> {
+    let value = |mode: Mode| {
+        PossibleValue::new(mode.name()).help(match mode {
+            Mode::Scalar => "One ray at a time, with scalar code: the reference",
+            Mode::Single => "One ray at a time, against eight boxes or eight triangles at once",
+            Mode::Packet => "Similar rays in blocks, the others in packets of eight",
+            Mode::Auto => "Similar rays in blocks, the others in streams or packets, whichever suits the scene",
+        })
+    };
+    let mode =
+        |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
+    PossibleValuesParser::new(Mode::ALL.map(value)).map(mode)
+}
+
+fn parse_field_of_view(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(degrees) if (1.0..=170.0).contains(&degrees) => Ok(degrees),
+        _ => Err("expected 1 to 170 degrees".into()),
+    }
+}

@@ -1,0 +1,107 @@
+//! What `trace` and `render` share: the kernels and the scene that their arguments name.
+
+use std::marker::PhantomData;
+
+use raylanes::geom::{Quadric, Triangle};
+use raylanes::kernels::{Kernel, Shape};
+use raylanes::registry::{self, Task, Visitor};
+use raylanes::study::Progress;
+use raylanes::tracer::{self, Camera, Error, Light, LoadedScene, Scene, SceneSource, View, World};
+
+use super::args::SceneArguments;
+use super::terminal;
+
+/// A loaded scene. No kernel has prepared it yet.
+pub(super) struct Loaded {
+    pub(super) world: World,
+    pub(super) camera: Camera,
+    pub(super) light: Light,
+    pub(super) pool: rayon::ThreadPool,
+}
+
+impl SceneArguments {
+    /// Looks up the kernels that were asked for.
+    pub(super) fn kernels(&self) -> Result<ChosenKernels, Error> {
+        ChosenKernels { triangle: "", quadric: "" }
+            .with(&self.kernel, &["triangle"])?
+            .with(&self.quadric_kernel, &["quadric"])
+    }
+
+    /// Loads the scene and starts the threads. Remarks about the scene's files go to standard error.
+    pub(super) fn load(&self, progress: &Progress) -> Result<Loaded, Error> {
+        progress.note(&format!("{}: loading", self.scene));
+        let source = SceneSource::parse(&self.scene)?;
+        let LoadedScene { world, mut view, remarks } = source.load()?;
+        for remark in remarks {
+            progress.suspend(|| terminal::note(&format!("note: {}: {remark}", source.name())));
+        }
+        if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
+            view = View { eye, look_at, vertical_fov: self.fov, transform: None, light: view.light };
+        }
+        let (width, height) = self.size;
+        let camera = view.camera(width, height);
+        Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
+    }
+}
+
+/// The IDs of one registered triangle kernel and one registered quadric kernel.
+#[derive(Clone, Copy)]
+pub(super) struct ChosenKernels {
+    pub(super) triangle: &'static str,
+    pub(super) quadric: &'static str,
+}
+
+impl ChosenKernels {
+    /// Replaces the triangle or the quadric kernel by the one with this ID. The ID may leave out the family;
+    /// `families` lists the families to search.
+    pub(super) fn with(self, id: &str, families: &[&str]) -> Result<Self, Error> {
+        let triangle = families.contains(&"triangle").then(|| registry::with_kernel::<Triangle, _>(id, IdOf)).flatten();
+        let quadric = families.contains(&"quadric").then(|| registry::with_kernel::<Quadric, _>(id, IdOf)).flatten();
+        match (triangle, quadric) {
+            (Some(triangle), _) => Ok(Self { triangle, ..self }),
+            (None, Some(quadric)) => Ok(Self { quadric, ..self }),
+            (None, None) => {
+                let mut ids = Ids(Vec::new());
+                registry::triangles(&mut ids);
+                registry::quadrics(&mut ids);
+                ids.0.retain(|id| families.iter().any(|family| id.starts_with(family)));
+                let message = format!("no such {} kernel: expected one of {}", families.join(" or "), ids.0.join(", "));
+                Err(Error::Argument { argument: id.into(), message })
+            }
+        }
+    }
+
+    /// Builds the scene: prepares the world for triangle kernel `K` and for the chosen quadric kernel.
+    pub(super) fn scene<K: Kernel<Shape = Triangle>>(self, world: World) -> Scene<K> {
+        struct Build<K>(World, PhantomData<K>);
+        impl<K: Kernel<Shape = Triangle>> Task<Quadric> for Build<K> {
+            type Output = Scene<K>;
+            fn run<Q: Kernel<Shape = Quadric>>(self) -> Scene<K> {
+                Scene::with_quadrics::<Q>(self.0)
+            }
+        }
+        registry::with_kernel(self.quadric, Build::<K>(world, PhantomData)).expect("the kernel was found before")
+    }
+
+    /// Runs a task with the chosen triangle kernel.
+    pub(super) fn run<T: Task<Triangle>>(self, task: T) -> T::Output {
+        registry::with_kernel(self.triangle, task).expect("the kernel was found before")
+    }
+}
+
+struct IdOf;
+
+impl<S: Shape> Task<S> for IdOf {
+    type Output = &'static str;
+    fn run<K: Kernel<Shape = S>>(self) -> &'static str {
+        K::INFO.id.method
+    }
+}
+
+struct Ids(Vec<String>);
+
+impl<S: Shape> Visitor<S> for Ids {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
+        self.0.push(K::INFO.id.to_string());
+    }
+}

@@ -1,0 +1,123 @@
+//! `raylanes trace`: traces the rays of a picture or of a file several times, and reports the median speed.
+
+use std::time::Instant;
+
+use raylanes::geom::{Hit, Ray, Triangle};
+use raylanes::kernels::Kernel;
+use raylanes::registry::Task;
+use raylanes::study::{self, Progress};
+use raylanes::tracer::{self, Error};
+use serde::Serialize;
+
+use super::args::TraceArguments;
+use super::scene::{ChosenKernels, Loaded};
+use super::terminal;
+
+/// What `trace --json` prints.
+#[derive(Serialize)]
+struct TraceResult {
+    scene: String,
+    triangles: usize,
+    quadrics: usize,
+    instances: usize,
+    rays: usize,
+    hits: usize,
+    /// Median of the repeats.
+    mrays_per_second: f64,
+    checksum: String,
+    mode: &'static str,
+    kernel: String,
+    threads: usize,
+    build_seconds: f64,
+    /// Geometry, instances, trees and prepared primitives.
+    bytes: usize,
+    /// `bytes / triangles`; in a scene without triangles, `bytes / quadrics`.
+    bytes_per_triangle: f64,
+}
+
+pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<String, Error> {
+    progress.suspend(terminal::warn_of_slow_build);
+    let scene = &arguments.scene;
+    // A large mesh takes long to load, so the other arguments are checked before it.
+    let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
+    let kernels = scene.kernels()?;
+    let loaded = scene.load(progress)?;
+    let (width, height) = scene.size;
+    let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
+    let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays, progress });
+    if let Some(file) = &arguments.hits {
+        if let Some(order) = picture_order {
+            // The rays of a picture are traced in blocks; the file holds their hits row by row.
+            let mut rows = vec![Hit::MISS; hits.len()];
+            for (pixel, hit) in order.into_iter().zip(hits) {
+                rows[pixel as usize] = hit;
+            }
+            hits = rows;
+        }
+        tracer::write_hits(file, &hits)?;
+    }
+    if arguments.json {
+        return Ok(serde_json::to_string(&result).expect("plain data") + "\n");
+    }
+    let TraceResult { scene, triangles, quadrics, instances, rays, hits, mrays_per_second, .. } = result;
+    let TraceResult { checksum, mode, kernel, threads, .. } = result;
+    Ok(format!(
+        "{scene}: {triangles} triangles, {quadrics} quadrics, {instances} instances, built in {:.3} s, {:.2} MB\n\
+         {mrays_per_second:.2} Mrays/s (median of {}), {rays} rays, {hits} hits, checksum {checksum}\n\
+         kernel {kernel}, mode {mode}, threads {threads}\n",
+        result.build_seconds,
+        result.bytes as f64 / 1e6,
+        arguments.repeat,
+    ))
+}
+
+/// Builds the scene and traces the rays, with the triangle kernel that is chosen at run time.
+struct Trace<'a> {
+    kernels: ChosenKernels,
+    arguments: &'a TraceArguments,
+    loaded: Loaded,
+    rays: Vec<Ray<f32>>,
+    progress: &'a Progress,
+}
+
+impl Task<Triangle> for Trace<'_> {
+    type Output = (TraceResult, Vec<Hit<f32>>);
+
+    fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
+        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays, progress } = self;
+        let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
+        let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
+        progress.note(&format!("{}: building", arguments.scene.scene));
+        let start = Instant::now();
+        let scene = pool.install(|| kernels.scene::<K>(world));
+        let build_seconds = start.elapsed().as_secs_f64();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut trace = || pool.install(|| tracer::trace_into(&scene, &rays, any_hit, mode, &mut hits));
+        progress.note(&format!("{}: tracing", arguments.scene.scene));
+        trace(); // a warm-up, which is not counted
+        let mut rates = Vec::new();
+        for _ in 0..arguments.repeat {
+            let start = Instant::now();
+            trace();
+            rates.push(rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
+        }
+        let result = TraceResult {
+            scene: arguments.scene.scene.clone(),
+            triangles,
+            quadrics,
+            instances,
+            rays: rays.len(),
+            hits: hits.iter().filter(|hit| hit.mask).count(),
+            mrays_per_second: study::median(&rates),
+            checksum: format!("{:016x}", tracer::checksum(&hits)),
+            mode: mode.name(),
+            kernel: K::INFO.id.to_string(),
+            threads: pool.current_num_threads(),
+            build_seconds,
+            bytes: scene.bytes(),
+            bytes_per_triangle: scene.bytes() as f64 / if triangles > 0 { triangles } else { quadrics } as f64,
+        };
+        (result, hits)
+    }
+}
