@@ -18,7 +18,7 @@ mod ops_f64;
 mod vec;
 
 pub use mask::{Mask8, eq8, ge8, gt8, le8, lt8, ne8, sign_bit, sign_bit8};
-pub use ops::{accepts, accepts8, max, max8, min, min8, power_of_two, power_of_two8, sqrt, sqrt8};
+pub use ops::{max, max8, min, min8, power_of_two, power_of_two8, sqrt, sqrt8, t_in_range, t_in_range8};
 #[cfg(fused)]
 pub use ops::{mul_add, mul_add8};
 pub use ops_f64::{

@@ -33,14 +33,14 @@ pub fn max8(a: f32x8, b: f32x8) -> f32x8 {
 /// Whether a hit at `t` counts: `t` is finite and lies in the closed interval. NaN and ±∞ do not count, even if the
 /// interval is infinite.
 #[inline(always)]
-pub fn accepts(t_min: f32, t: f32, t_max: f32) -> bool {
+pub fn t_in_range(t_min: f32, t: f32, t_max: f32) -> bool {
     // The ends become finite once per ray. Testing `t` itself would cost an operation per primitive.
     (t >= max(-f32::MAX, t_min)) & (t <= min(f32::MAX, t_max))
 }
 
-/// [`accepts`] in eight lanes.
+/// [`t_in_range`] in eight lanes.
 #[inline(always)]
-pub fn accepts8(t_min: f32x8, t: f32x8, t_max: f32x8) -> Mask8 {
+pub fn t_in_range8(t_min: f32x8, t: f32x8, t_max: f32x8) -> Mask8 {
     let most = f32x8::splat(f32::MAX);
     ge8(t, max8(-most, t_min)) & le8(t, min8(most, t_max))
 }
@@ -125,8 +125,8 @@ mod tests {
             for a in SHARP {
                 for b in SHARP {
                     let expected = (t >= a) & (t <= b) & t.is_finite();
-                    assert_eq!(accepts(a, t, b), expected, "t = {t:?} in [{a:?}, {b:?}]");
-                    let eight = accepts8(f32x8::splat(a), f32x8::splat(t), f32x8::splat(b));
+                    assert_eq!(t_in_range(a, t, b), expected, "t = {t:?} in [{a:?}, {b:?}]");
+                    let eight = t_in_range8(f32x8::splat(a), f32x8::splat(t), f32x8::splat(b));
                     assert_eq!(
                         eight.bits(),
                         if expected { 0xff } else { 0 },

@@ -24,7 +24,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::Span;
+use super::ClipInterval;
 use crate::geom::lanes::{Lanes, Vec3x8, eq8, sqrt, sqrt8};
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::{InverseDirection, Slabs};
@@ -126,7 +126,7 @@ impl Intersect<f32> for Naive<f32> {
         let c = squares.dot(o * o) + products.dot(pairs(o)) + linear.dot(o) + constant;
         let root = sqrt(b * b - 4.0 * a * c);
         let roots = if a == 0.0 { [-c / b; 2] } else { [(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)] };
-        Span::<f32>::of(&clip, o, setup).hit(roots)
+        ClipInterval::<f32>::of(&clip, o, setup).hit(roots)
     }
 }
 
@@ -150,6 +150,6 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
         let root = sqrt8(b * b - f32x8::splat(4.0) * a * c);
         let (flat, linear_root) = (eq8(a, f32x8::ZERO), -c / b);
         let roots = [(-b - root) / (two * a), (-b + root) / (two * a)].map(|root| flat.select(linear_root, root));
-        Span::<f32x8>::of(&self.clip.widen(), o, setup).hit(roots)
+        ClipInterval::<f32x8>::of(&self.clip.widen(), o, setup).hit(roots)
     }
 }

@@ -38,7 +38,7 @@
 
 use wide::f32x8;
 
-use super::{Approach, Form, Span, center, roots, roots8};
+use super::{Approach, ClipInterval, Form, center, roots, roots8};
 use crate::geom::lanes::{Lanes, Vec3x8};
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
@@ -93,10 +93,10 @@ impl Intersect<f32> for Stable<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
+        let interval = ClipInterval::<f32>::of(&self.clip, ray.origin, &setup.slabs);
         let form = &self.form;
         let from_center = ray.origin - self.center;
-        let moved = span.clamp(from_center.dot(setup.back));
+        let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
         let g = form.half_gradient(p);
@@ -104,7 +104,7 @@ impl Intersect<f32> for Stable<f32> {
         let b = setup.dir.dot(g);
         let c = p.dot(g + form.linear) + form.constant;
         let [t0, t1] = roots(b * b - a * c, a, b, c);
-        span.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
+        interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
 }
 
@@ -118,10 +118,10 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let span = Span::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
+        let interval = ClipInterval::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
         let form = self.form.widen();
         let from_center = ray.origin - P::widen_vec3(self.center);
-        let moved = span.clamp(from_center.dot(setup.back));
+        let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
         let g = form.half_gradient(p);
@@ -129,6 +129,6 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
         let b = setup.dir.dot(g);
         let c = p.dot(g + form.linear) + form.constant;
         let [t0, t1] = roots8(b * b - a * c, a, b, c);
-        span.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
+        interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
 }

@@ -22,8 +22,8 @@
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
-use super::{normal, within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{barycentrics_inside, barycentrics_inside8, normal};
+use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -104,10 +104,10 @@ impl Intersect<f32> for BaldwinWeber<f32> {
         let v = self.v.dot(p) + self.v0;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -129,7 +129,7 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
         let v = row_v.dot(p) + v0;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        let inside = barycentrics_inside8(u, v);
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -20,8 +20,8 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Vertices, within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{Vertices, barycentrics_inside, barycentrics_inside8};
+use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
@@ -90,11 +90,11 @@ impl Intersect<f32> for Cramer<f32> {
         let v = determinant(a, s, ray.dir) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = determinant(a, b, s) / det;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -115,8 +115,8 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
         let v = determinant8(a, s, ray.dir) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
+        let inside = barycentrics_inside8(u, v);
         let t = determinant8(a, b, s) / det;
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -21,8 +21,8 @@
 
 use wide::f32x8;
 
-use super::{normal, within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{barycentrics_inside, barycentrics_inside8, normal};
+use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -87,11 +87,11 @@ impl Intersect<f32> for KenslerShirley<f32> {
         let v = r.dot(e1) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = n.dot(c) * inv_det;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -115,8 +115,8 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
         let v = r.dot(e1) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
+        let inside = barycentrics_inside8(u, v);
         let t = n.dot(c) * inv_det;
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

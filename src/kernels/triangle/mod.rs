@@ -92,27 +92,27 @@ fn normal(shape: &Triangle) -> DVec3 {
 /// Whether `u >= 0`, `v >= 0` and `u + v <= 1`; not with a NaN, which the last minimum hands on. One comparison makes one
 /// branch: of three, rustc 1.95 makes three, each of which is as often taken as not, and kernels took 2.0 to 2.5 times as long.
 #[inline(always)]
-fn within(u: f32, v: f32) -> bool {
+fn barycentrics_inside(u: f32, v: f32) -> bool {
     min(min(u, v), 1.0 - (u + v)) >= 0.0
 }
 
-/// [`within`] in eight lanes, where nothing branches and the shorter way is the faster.
+/// [`barycentrics_inside`] in eight lanes, where nothing branches and the shorter way is the faster.
 #[inline(always)]
-fn within8(u: f32x8, v: f32x8) -> Mask8 {
+fn barycentrics_inside8(u: f32x8, v: f32x8) -> Mask8 {
     ge8(min8(u, v), f32x8::ZERO) & le8(u + v, f32x8::ONE)
 }
 
 /// How clearly all three weights have one sign: positive where they do, zero where one or more of them are zero and the rest
 /// agree, negative where two differ. A NaN among them may go unnoticed: what is computed with them is NaN as well.
 #[inline(always)]
-fn agreement([u, v, w]: [f32; 3]) -> f32 {
+fn sign_agreement([u, v, w]: [f32; 3]) -> f32 {
     let (least, greatest) = (min(min(u, v), w), max(max(u, v), w));
     max(least, -greatest)
 }
 
-/// [`agreement`] in eight lanes.
+/// [`sign_agreement`] in eight lanes.
 #[inline(always)]
-fn agreement8([u, v, w]: [f32x8; 3]) -> f32x8 {
+fn sign_agreement8([u, v, w]: [f32x8; 3]) -> f32x8 {
     let (least, greatest) = (min8(min8(u, v), w), max8(max8(u, v), w));
     max8(least, -greatest)
 }
@@ -142,12 +142,12 @@ mod tests {
     ];
 
     #[test]
-    fn within_is_its_three_comparisons() {
+    fn barycentrics_inside_equals_its_three_comparisons() {
         for u in SHARP {
             for v in SHARP {
                 let expected = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-                assert_eq!(within(u, v), expected, "{u:?}, {v:?}");
-                let eight = within8(f32x8::splat(u), f32x8::splat(v)).bits();
+                assert_eq!(barycentrics_inside(u, v), expected, "{u:?}, {v:?}");
+                let eight = barycentrics_inside8(f32x8::splat(u), f32x8::splat(v)).bits();
                 assert_eq!(eight, if expected { 0xff } else { 0 }, "eight times {u:?}, {v:?}");
             }
         }
@@ -162,10 +162,10 @@ mod tests {
                     let weights = [u, v, w];
                     let agree =
                         weights.iter().all(|&weight| weight >= 0.0) | weights.iter().all(|&weight| weight <= 0.0);
-                    let found = agreement(weights);
+                    let found = sign_agreement(weights);
                     assert_eq!(found >= 0.0, agree, "{weights:?}");
                     assert_eq!(found == 0.0, agree & weights.contains(&0.0), "{weights:?}");
-                    for lane in agreement8(weights.map(f32x8::splat)).to_array() {
+                    for lane in sign_agreement8(weights.map(f32x8::splat)).to_array() {
                         assert_eq!(lane.to_bits(), found.to_bits(), "eight times {weights:?}");
                     }
                 }

@@ -21,7 +21,7 @@
 use wide::{f32x8, f64x8};
 
 use super::Vertices;
-use crate::geom::lanes::{DVec3x8, Lanes, accepts, accepts8, dot_f64x8, double8, ge64, le64, to_f32x8};
+use crate::geom::lanes::{DVec3x8, Lanes, dot_f64x8, double8, ge64, le64, t_in_range, t_in_range8, to_f32x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{DoubleOperations, Id, Info, Intersect, Kernel, Operations};
@@ -75,9 +75,9 @@ fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// [`within`](super::within) in `f64`. Eight lanes make its three comparisons, as nothing branches there.
+/// [`barycentrics_inside`](super::barycentrics_inside) in `f64`. Eight lanes make its three comparisons, as nothing branches there.
 #[inline(always)]
-fn within(u: f64, v: f64) -> bool {
+fn barycentrics_inside(u: f64, v: f64) -> bool {
     min(min(u, v), 1.0 - (u + v)) >= 0.0
 }
 
@@ -113,11 +113,11 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
         let v = dir.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = (e2.dot(q) * inv_det) as f32;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
     }
 }
 
@@ -146,6 +146,6 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge64(u, zero) & ge64(v, zero) & le64(u + v, one)).narrow();
         let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
     }
 }

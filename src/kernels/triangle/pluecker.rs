@@ -24,8 +24,8 @@
 
 use wide::f32x8;
 
-use super::{Vertices, agreement, agreement8, normal};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, lt8};
+use super::{Vertices, normal, sign_agreement, sign_agreement8};
+use crate::geom::lanes::{Lanes, Vec3x8, ge8, lt8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -87,7 +87,7 @@ impl Intersect<f32> for Pluecker<f32> {
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
-        let inside = agreement([u, v, w]) >= 0.0;
+        let inside = sign_agreement([u, v, w]) >= 0.0;
         if !inside {
             return Hit::MISS;
         }
@@ -96,7 +96,7 @@ impl Intersect<f32> for Pluecker<f32> {
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = (u + v).abs() < f32::INFINITY;
-        Hit::<f32>::new(numbers & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(numbers & t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -117,12 +117,12 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
-        let inside = ge8(agreement8([u, v, w]), f32x8::ZERO);
+        let inside = ge8(sign_agreement8([u, v, w]), f32x8::ZERO);
         let inv_sum = f32x8::ONE / (u + v + w);
         let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
-        Hit::<f32x8>::candidate(inside & numbers & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & numbers & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

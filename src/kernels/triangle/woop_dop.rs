@@ -22,7 +22,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
-use super::{Vertices, agreement, agreement8};
+use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Vec3x8, ge8, mul_add, mul_add8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
@@ -92,7 +92,7 @@ impl Intersect<f32> for WoopDop<f32> {
         let sheared = Sheared::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
-        sheared.hit(agreement(weights) >= 0.0, weights, ray, setup)
+        sheared.hit(sign_agreement(weights) >= 0.0, weights, ray, setup)
     }
 }
 
@@ -109,6 +109,6 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         let sheared = Sheared8::of(&self.0, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
-        sheared.hit(ge8(agreement8(weights), f32x8::ZERO), weights, ray, setup)
+        sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, ray, setup)
     }
 }
