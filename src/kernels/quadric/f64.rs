@@ -44,11 +44,12 @@ use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics for the roots in `f64`: the coefficients and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QuadricF64<P: Lanes> {
-    form: Form<P>,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics for the roots in `f64`: the coefficients and the box.
+    pub struct QuadricF64<P: Lanes> {
+        form: Form<P>,
+        clip: Slabs<P>,
+    }
 }
 
 impl Kernel for QuadricF64<f32> {
@@ -75,17 +76,7 @@ impl Kernel for QuadricF64<f32> {
         Self { form: Form::of(shape), clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        QuadricF64 {
-            form: Form::gather(primitives.map(|one| one.form)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { form: packet.form.lane(lane), clip: packet.clip.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for QuadricF64<f32> {
@@ -98,8 +89,9 @@ impl Intersect<f32> for QuadricF64<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let interval = ClipInterval::<f32>::of(&self.clip, ray.origin, &setup.slabs);
-        let form = &self.form;
+        let Self { form, clip } = self;
+
+        let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
         let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
         let moved = f64::from(interval.start(ray.origin, setup.to_closest));
         let p = o + d * moved;
@@ -112,7 +104,7 @@ impl Intersect<f32> for QuadricF64<f32> {
         let q = -(b + if b.is_sign_negative() { -root } else { root });
         let (t0, t1) = (moved + q / a, moved + c / q);
 
-        let (lo, hi) = (self.clip.lo.as_dvec3(), self.clip.hi.as_dvec3());
+        let (lo, hi) = (clip.lo.as_dvec3(), clip.hi.as_dvec3());
         let counts = |t: f64| {
             let p = o + d * t;
             (t >= f64::from(setup.slabs.t_min))
@@ -137,9 +129,9 @@ impl<P: Lanes> Intersect<f32x8> for QuadricF64<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let clip = self.clip.widen();
+        let QuadricF64 { form, clip } = self.widen();
+
         let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
-        let form = self.form.widen();
         let (o, d) = (double8(ray.origin), double8(ray.dir));
         let moved = to_f64x8(interval.start(ray.origin, setup.to_closest));
         let at = |t: f64x8| [0, 1, 2].map(|axis| o[axis] + d[axis] * t);

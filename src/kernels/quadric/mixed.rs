@@ -35,11 +35,12 @@ use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics whose polynomial is evaluated in `f64` and solved in `f32`: the coefficients and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixed<P: Lanes> {
-    form: Form<P>,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics whose polynomial is evaluated in `f64` and solved in `f32`: the coefficients and the box.
+    pub struct Mixed<P: Lanes> {
+        form: Form<P>,
+        clip: Slabs<P>,
+    }
 }
 
 impl Kernel for Mixed<f32> {
@@ -66,17 +67,7 @@ impl Kernel for Mixed<f32> {
         Self { form: Form::about(shape, Vec3::ZERO), clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Mixed {
-            form: Form::gather(primitives.map(|one| one.form)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { form: packet.form.lane(lane), clip: packet.clip.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Mixed<f32> {
@@ -89,8 +80,9 @@ impl Intersect<f32> for Mixed<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let interval = ClipInterval::<f32>::of(&self.clip, ray.origin, &setup.slabs);
-        let form = &self.form;
+        let Self { form, clip } = self;
+
+        let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
         let moved = interval.start(ray.origin, setup.to_closest);
         let d = setup.dir.as_dvec3();
         let p = ray.origin.as_dvec3() + d * f64::from(moved * setup.unit);
@@ -114,8 +106,9 @@ impl<P: Lanes> Intersect<f32x8> for Mixed<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let interval = ClipInterval::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
-        let form = self.form.widen();
+        let Mixed { form, clip } = self.widen();
+
+        let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
         let moved = interval.start(ray.origin, setup.to_closest);
         let (o, d) = (double8(ray.origin), double8(setup.dir));
         let step = to_f64x8(moved * setup.unit);

@@ -220,17 +220,18 @@ impl Approach<f32x8> {
     }
 }
 
-/// `p·Mp + 2h·p + k`, the polynomial about some point, with everything multiplied by one power of two.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Form<P: Lanes> {
-    /// Diagonal of M.
-    squares: P::Vec3,
-    /// yz, zx and xy of M: half the coefficients of the products.
-    products: P::Vec3,
-    /// h: half the coefficients of x, y and z.
-    linear: P::Vec3,
-    /// k.
-    constant: P,
+prepared! {
+    /// `p·Mp + 2h·p + k`, the polynomial about some point, with everything multiplied by one power of two.
+    struct Form<P: Lanes> {
+        /// Diagonal of M.
+        squares: P::Vec3,
+        /// yz, zx and xy of M: half the coefficients of the products.
+        products: P::Vec3,
+        /// h: half the coefficients of x, y and z.
+        linear: P::Vec3,
+        /// k.
+        constant: P,
+    }
 }
 
 /// 2¹²⁶: twice as much is still an `f32`.
@@ -320,25 +321,6 @@ impl Form<f32> {
 }
 
 impl Form<f32x8> {
-    fn gather(forms: [Form<f32>; 8]) -> Self {
-        Self {
-            squares: Vec3x8::from_lanes(forms.map(|form| form.squares)),
-            products: Vec3x8::from_lanes(forms.map(|form| form.products)),
-            linear: Vec3x8::from_lanes(forms.map(|form| form.linear)),
-            constant: f32x8::new(forms.map(|form| form.constant)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> Form<f32> {
-        Form {
-            squares: self.squares.lane(lane),
-            products: self.products.lane(lane),
-            linear: self.linear.lane(lane),
-            constant: self.constant.as_array()[lane],
-        }
-    }
-
     /// [`Form::<f32>::half_gradient`] in eight lanes.
     #[inline(always)]
     fn half_gradient(&self, p: Vec3x8) -> Vec3x8 {
@@ -375,18 +357,6 @@ impl Form<f32x8> {
     fn curvature_f64(&self, [x, y, z]: DVec3x8) -> f64x8 {
         let (squares, products) = (double8(self.squares), double8(self.products));
         dot_f64x8(squares, [x * x, y * y, z * z]) + dot_f64x8(products, [y * z, z * x, x * y]) * f64x8::splat(2.0)
-    }
-}
-
-impl<P: Lanes> Form<P> {
-    #[inline(always)]
-    fn widen(&self) -> Form<f32x8> {
-        Form {
-            squares: P::widen_vec3(self.squares),
-            products: P::widen_vec3(self.products),
-            linear: P::widen_vec3(self.linear),
-            constant: self.constant.widen(),
-        }
     }
 }
 

@@ -39,17 +39,18 @@
 use wide::f32x8;
 
 use super::{Approach, ClipInterval, Form, center, roots, roots8};
-use crate::geom::lanes::{Lanes, Vec3x8};
+use crate::geom::lanes::Lanes;
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics for the roots that keep their digits: the polynomial about a point near the surface, that point, and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stable<P: Lanes> {
-    form: Form<P>,
-    center: P::Vec3,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics for the roots that keep their digits: the polynomial about a point near the surface, that point, and the box.
+    pub struct Stable<P: Lanes> {
+        form: Form<P>,
+        center: P::Vec3,
+        clip: Slabs<P>,
+    }
 }
 
 impl Kernel for Stable<f32> {
@@ -69,18 +70,7 @@ impl Kernel for Stable<f32> {
         Self { form: Form::about(shape, center), center, clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Stable {
-            form: Form::gather(primitives.map(|one| one.form)),
-            center: Vec3x8::from_lanes(primitives.map(|one| one.center)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { form: packet.form.lane(lane), center: packet.center.lane(lane), clip: packet.clip.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Stable<f32> {
@@ -93,9 +83,10 @@ impl Intersect<f32> for Stable<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let interval = ClipInterval::<f32>::of(&self.clip, ray.origin, &setup.slabs);
-        let form = &self.form;
-        let from_center = ray.origin - self.center;
+        let Self { form, center, clip } = self;
+
+        let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
+        let from_center = ray.origin - center;
         let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
@@ -118,9 +109,10 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let interval = ClipInterval::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
-        let form = self.form.widen();
-        let from_center = ray.origin - P::widen_vec3(self.center);
+        let Stable { form, center, clip } = self.widen();
+
+        let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+        let from_center = ray.origin - center;
         let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 

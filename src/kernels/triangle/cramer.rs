@@ -26,9 +26,12 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for Cramer's rule: the vertices as they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cramer<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for Cramer's rule: the vertices as they are.
+    pub struct Cramer<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for Cramer<f32> {
     type Shape = Triangle;
@@ -43,21 +46,14 @@ impl Kernel for Cramer<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(shape.into())
+        Self { vertices: shape.into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Cramer(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -81,7 +77,7 @@ impl Intersect<f32> for Cramer<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let Vertices { v0, v1, v2 } = self.0;
+        let Self { vertices: Vertices { v0, v1, v2 } } = *self;
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
@@ -106,7 +102,7 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let Vertices { v0, v1, v2 } = self.0.widen();
+        let Cramer { vertices: Vertices { v0, v1, v2 } } = self.widen();
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);

@@ -22,19 +22,20 @@
 use wide::f32x8;
 
 use super::{barycentrics_inside, barycentrics_inside8, normal};
-use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
+use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Kensler–Shirley test: a vertex, the edges into and out of it, and the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KenslerShirley<P: Lanes> {
-    v0: P::Vec3,
-    /// `v0 - v1`.
-    e1: P::Vec3,
-    /// `v2 - v0`.
-    e2: P::Vec3,
-    n: P::Vec3,
+prepared! {
+    /// Triangles for the Kensler–Shirley test: a vertex, the edges into and out of it, and the normal.
+    pub struct KenslerShirley<P: Lanes> {
+        v0: P::Vec3,
+        /// `v0 - v1`.
+        e1: P::Vec3,
+        /// `v2 - v0`.
+        e2: P::Vec3,
+        n: P::Vec3,
+    }
 }
 
 impl Kernel for KenslerShirley<f32> {
@@ -53,19 +54,7 @@ impl Kernel for KenslerShirley<f32> {
         Self { v0: shape.v0, e1: shape.v0 - shape.v1, e2: shape.v2 - shape.v0, n: normal(shape).as_vec3() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        KenslerShirley {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            e1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e1)),
-            e2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e2)),
-            n: Vec3x8::from_lanes(primitives.map(|primitive| primitive.n)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { v0: packet.v0.lane(lane), e1: packet.e1.lane(lane), e2: packet.e2.lane(lane), n: packet.n.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for KenslerShirley<f32> {
@@ -103,8 +92,7 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let (v0, n) = (P::widen_vec3(self.v0), P::widen_vec3(self.n));
-        let (e1, e2) = (P::widen_vec3(self.e1), P::widen_vec3(self.e2));
+        let KenslerShirley { v0, e1, e2, n } = self.widen();
 
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);

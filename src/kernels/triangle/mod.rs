@@ -33,18 +33,19 @@ use glam::{DVec3, Vec3};
 use wide::f32x8;
 
 use crate::geom::Triangle;
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, le8, max, max8, min, min8};
+use crate::geom::lanes::{Lanes, Mask8, ge8, le8, max, max8, min, min8};
 use crate::kernels::aabb::Slabs;
 
-/// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertices<P: Lanes> {
-    /// Vertices with `u = v = 0`.
-    pub v0: P::Vec3,
-    /// Vertices with `u = 1`.
-    pub v1: P::Vec3,
-    /// Vertices with `v = 1`.
-    pub v2: P::Vec3,
+prepared! {
+    /// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
+    pub struct Vertices<P: Lanes> {
+        /// Vertices with `u = v = 0`.
+        pub v0: P::Vec3,
+        /// Vertices with `u = 1`.
+        pub v1: P::Vec3,
+        /// Vertices with `v = 1`.
+        pub v2: P::Vec3,
+    }
 }
 
 impl From<&Triangle> for Vertices<f32> {
@@ -54,31 +55,11 @@ impl From<&Triangle> for Vertices<f32> {
 }
 
 impl Vertices<f32x8> {
-    fn gather(triangles: [Vertices<f32>; 8]) -> Self {
-        Self {
-            v0: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v0)),
-            v1: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v1)),
-            v2: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v2)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> Vertices<f32> {
-        Vertices { v0: self.v0.lane(lane), v1: self.v1.lane(lane), v2: self.v2.lane(lane) }
-    }
-
     /// The triangles' boxes.
     #[inline(always)]
     fn bounds(&self) -> Slabs<f32x8> {
         let Self { v0, v1, v2 } = self;
         Slabs { lo: v0.min(v1).min(v2), hi: v0.max(v1).max(v2) }
-    }
-}
-
-impl<P: Lanes> Vertices<P> {
-    #[inline(always)]
-    fn widen(&self) -> Vertices<f32x8> {
-        Vertices { v0: P::widen_vec3(self.v0), v1: P::widen_vec3(self.v1), v2: P::widen_vec3(self.v2) }
     }
 }
 

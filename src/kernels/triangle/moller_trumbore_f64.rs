@@ -26,9 +26,12 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Möller–Trumbore test in `f64`: the vertices as they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MollerTrumboreF64<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the Möller–Trumbore test in `f64`: the vertices as they are.
+    pub struct MollerTrumboreF64<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for MollerTrumboreF64<f32> {
     type Shape = Triangle;
@@ -51,21 +54,14 @@ impl Kernel for MollerTrumboreF64<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(shape.into())
+        Self { vertices: shape.into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        MollerTrumboreF64(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -99,7 +95,7 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let Vertices { v0, v1, v2 } = self.0;
+        let Self { vertices: Vertices { v0, v1, v2 } } = *self;
         let (v0, v1, v2) = (v0.as_dvec3(), v1.as_dvec3(), v2.as_dvec3());
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
 
@@ -129,7 +125,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let Vertices { v0, v1, v2 } = self.0.widen();
+        let MollerTrumboreF64 { vertices: Vertices { v0, v1, v2 } } = self.widen();
         let (v0, v1, v2) = (double8(v0), double8(v1), double8(v2));
         let (origin, dir) = (double8(ray.origin), double8(ray.dir));
         let (zero, one) = (f64x8::splat(0.0), f64x8::splat(1.0));

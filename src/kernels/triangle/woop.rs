@@ -43,9 +43,12 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the watertight test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Woop<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the watertight test.
+    pub struct Woop<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for Woop<f32> {
     type Shape = Triangle;
@@ -60,21 +63,14 @@ impl Kernel for Woop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(prepare(shape))
+        Self { vertices: prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Woop(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -88,7 +84,9 @@ impl Intersect<f32> for Woop<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let sheared = Sheared::of(&self.0, ray, setup);
+        let Self { vertices } = self;
+
+        let sheared = Sheared::of(vertices, ray, setup);
         let mut weights = sheared.weights();
         let mut signs = sign_agreement(weights);
         if signs == 0.0 {
@@ -109,7 +107,9 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let sheared = Sheared8::of(&self.0, ray, setup);
+        let Woop { vertices } = self.widen();
+
+        let sheared = Sheared8::of(&vertices, ray, setup);
         let mut weights = sheared.weights();
         let mut signs = sign_agreement8(weights);
         if eq8(signs, f32x8::ZERO).any() {
@@ -326,8 +326,8 @@ impl Sheared {
 
 impl Sheared8 {
     #[inline(always)]
-    pub(super) fn of<P: Lanes>(vertices: &Vertices<P>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
-        let Vertices { v0, v1, v2 } = vertices.widen();
+    pub(super) fn of(vertices: &Vertices<f32x8>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
+        let Vertices { v0, v1, v2 } = *vertices;
         let [a, b, c] = setup.cycle_axes([v0 - ray.origin, v1 - ray.origin, v2 - ray.origin]);
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }

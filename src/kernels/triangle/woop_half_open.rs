@@ -34,9 +34,12 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the half-open watertight test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WoopHalfOpen<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the half-open watertight test.
+    pub struct WoopHalfOpen<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for WoopHalfOpen<f32> {
     type Shape = Triangle;
@@ -51,21 +54,14 @@ impl Kernel for WoopHalfOpen<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(prepare(shape))
+        Self { vertices: prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        WoopHalfOpen(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -126,7 +122,9 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let sheared = Sheared::of(&self.0, ray, setup);
+        let Self { vertices } = self;
+
+        let sheared = Sheared::of(vertices, ray, setup);
         let mut weights = sheared.weights();
         let signs = sign_agreement(weights);
         let mut inside = signs > 0.0;
@@ -147,7 +145,9 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let sheared = Sheared8::of(&self.0, ray, setup);
+        let WoopHalfOpen { vertices } = self.widen();
+
+        let sheared = Sheared8::of(&vertices, ray, setup);
         let mut weights = sheared.weights();
         let signs = sign_agreement8(weights);
         let mut inside = gt8(signs, f32x8::ZERO);
