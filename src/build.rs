@@ -10,7 +10,7 @@ fn main() {
     for (name, source) in [("RAYLANES_TARGET", "TARGET"), ("RAYLANES_TARGET_FEATURES", "CARGO_CFG_TARGET_FEATURE")] {
         println!("cargo::rustc-env={name}={}", env::var(source).unwrap_or_default());
     }
-    // Whether wide's multiply-add is fused, for eight lanes and for four (its conditions, restated): see `lanes.rs`.
+    // Whether wide's multiply-add is fused, for eight lanes and for four (its conditions, restated): see `geom::lanes`.
     let list = |name: &str| env::var(name).unwrap_or_default();
     let has = |feature: &str| list("CARGO_CFG_TARGET_FEATURE").split(',').any(|name| name == feature);
     println!("cargo::rustc-check-cfg=cfg(fused)");

@@ -12,7 +12,7 @@ use crate::geom::{Aabb, Placed, Quadric, Triangle};
 use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
 use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
-use crate::kernels::quadric::{Double, Mixed, Naive, Stable};
+use crate::kernels::quadric::{Mixed, Naive, QuadricF64, Stable};
 #[cfg(fused)]
 use crate::kernels::triangle::WoopDop;
 use crate::kernels::triangle::{
@@ -55,7 +55,7 @@ pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
     visitor.visit::<Naive<f32>>();
     visitor.visit::<Stable<f32>>();
     visitor.visit::<Mixed<f32>>();
-    visitor.visit::<Double<f32>>();
+    visitor.visit::<QuadricF64<f32>>();
 }
 
 /// An instance of each kernel.

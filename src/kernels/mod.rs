@@ -10,6 +10,9 @@
 //!
 //! Both give the same bits for every input; `tests/twins.rs` demands it of everything in the [registry](crate::registry).
 
+#[macro_use]
+mod prepared;
+
 pub mod aabb;
 pub mod instance;
 pub mod quadric;

@@ -23,13 +23,13 @@ impl Locate for Placed<Aabb> {
         if !can_hit(ray) {
             return Some(Truth::MISS);
         }
-        let line = Line::<N>::before(&self.object_to_world, ray)?;
+        let line = Line::<N>::in_object_space(&self.object_to_world, ray)?;
         line.map_or(Some(Truth::MISS), |line| truth(&self.shape, &line, ray))
     }
 }
 
 fn truth<N: Number>(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Truth> {
-    let Some(Segment { entry, exit, within_face }) = Segment::of(shape, line, ray)? else {
+    let Some(Segment { entry, exit, in_box_plane }) = Segment::of(shape, line, ray)? else {
         return Some(Truth::MISS);
     };
     let order = entry.compare(&exit)?;
@@ -39,7 +39,7 @@ fn truth<N: Number>(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Trut
     // Where entry and exit are one point, the box's surface is there, unless no plane had a part in it: then the
     // interval itself is that one point, and the box reaches beyond it on both sides.
     let touching = order.is_eq() && !matches!((&entry, &exit), (Bound::Interval(_), Bound::Interval(_)));
-    Some(Truth { hit: true, boundary: within_face | touching, t: entry.round()?, u: exit.round()?, v: 0.0 })
+    Some(Truth { hit: true, boundary: in_box_plane | touching, t: entry.round()?, u: exit.round()?, v: 0.0 })
 }
 
 /// The part of the ray that lies within its interval and the box; empty where `exit` comes before `entry`.
@@ -47,7 +47,7 @@ pub(super) struct Segment<N> {
     pub(super) entry: Bound<N>,
     pub(super) exit: Bound<N>,
     /// Whether it runs along in a plane of the box.
-    pub(super) within_face: bool,
+    pub(super) in_box_plane: bool,
 }
 
 impl<N: Number> Segment<N> {
@@ -59,7 +59,7 @@ impl<N: Number> Segment<N> {
         let corners = N::vectors([zero_unless_finite(shape.lo), zero_unless_finite(shape.hi)]);
         let [lo, hi] = corners.map(|corner| minus(&corner.map(|plane| line.scaled(plane)), &line.origin));
         let (mut entry, mut exit) = (Bound::Interval(ray.t_min), Bound::Interval(ray.t_max));
-        let mut within_face = false;
+        let mut in_box_plane = false;
         for axis in 0..3 {
             let d = &line.dir[axis];
             let lo = shape.lo[axis].is_finite().then_some(&lo[axis]);
@@ -79,12 +79,12 @@ impl<N: Number> Segment<N> {
                         if side == outside {
                             return Some(None);
                         }
-                        within_face |= side.is_eq();
+                        in_box_plane |= side.is_eq();
                     }
                 }
             }
         }
-        Some(Some(Self { entry, exit, within_face }))
+        Some(Some(Self { entry, exit, in_box_plane }))
     }
 }
 
@@ -137,7 +137,7 @@ impl<N: Number> Bound<N> {
     fn round(&self) -> Option<f32> {
         match self {
             Self::Interval(t) => Some(*t),
-            Self::Plane { num, den } => num.over(den),
+            Self::Plane { num, den } => num.divided_by(den),
         }
     }
 }

@@ -74,7 +74,7 @@ impl Number for Dyadic {
     /// Takes 31 or 32 bits of the quotient and, as a sticky bit, whether any follow. `f64` holds them exactly, and
     /// its conversion rounds them to the (at most 24) bits of an `f32`, to subnormals and to infinity included: with
     /// the sticky bit further right than the first rounded-off bit, every tie is a true one.
-    fn over(&self, divisor: &Self) -> Option<f32> {
+    fn divided_by(&self, divisor: &Self) -> Option<f32> {
         if self.int.is_zero() {
             return Some(0.0);
         }
@@ -111,7 +111,7 @@ impl Number for Dyadic {
             Root::Lesser => b.plus(&root).negated(),
             Root::Greater => root.minus(b),
         }
-        .over(a)
+        .divided_by(a)
     }
 }
 

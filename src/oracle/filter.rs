@@ -82,7 +82,7 @@ impl Number for Bounded {
     /// Rounds both ends of the interval that encloses the quotient: rounding is monotonic, so if they agree, all that
     /// lies between agrees with them.
     #[inline(always)]
-    fn over(&self, divisor: &Self) -> Option<f32> {
+    fn divided_by(&self, divisor: &Self) -> Option<f32> {
         let quotient = self.value / divisor.value;
         // |n/d - (n+δ)/(d+ε)| <= (|δ| + |n/d|·|ε|) / (d - |ε|)
         let inherited = (self.error + quotient.abs() * divisor.error) / (divisor.value - divisor.error);
@@ -104,12 +104,12 @@ impl Number for Bounded {
         let root = Self::rounded(value, discriminant.error / value);
         let signed = if which == Root::Lesser { root.negated() } else { root };
         if (b.value > 0.0) == (which == Root::Lesser) {
-            return signed.minus(b).over(a);
+            return signed.minus(b).divided_by(a);
         }
         let (num, den) = (c.negated(), b.plus(&signed));
         match den.sign()? {
-            Ordering::Greater => num.over(&den),
-            Ordering::Less => num.negated().over(&den.negated()),
+            Ordering::Greater => num.divided_by(&den),
+            Ordering::Less => num.negated().divided_by(&den.negated()),
             Ordering::Equal => None,
         }
     }
@@ -133,8 +133,8 @@ mod tests {
         let greatest = Bounded::new(f32::MAX);
         let product = [greatest; 8].iter().fold(greatest, |product, factor| product.times(factor));
         assert_eq!(product.sign(), None);
-        assert_eq!(product.over(&greatest), None);
-        assert_eq!(greatest.over(&product), None);
+        assert_eq!(product.divided_by(&greatest), None);
+        assert_eq!(greatest.divided_by(&product), None);
         assert_eq!(product.times(&Bounded::new(0.0)).sign(), None);
     }
 }

@@ -28,7 +28,7 @@ pub(super) trait Number: Clone {
     /// How the number compares to zero.
     fn sign(&self) -> Option<Ordering>;
     /// `self / divisor`, correctly rounded, for a divisor whose sign is known to be positive.
-    fn over(&self, divisor: &Self) -> Option<f32>;
+    fn divided_by(&self, divisor: &Self) -> Option<f32>;
     /// A root of `a·t² + 2b·t + c`, correctly rounded, for an `a` known to be positive and a `discriminant`, `b² - a·c`,
     /// known not to be negative.
     fn root(a: &Self, b: &Self, c: &Self, discriminant: &Self, which: Root) -> Option<f32>;
@@ -122,7 +122,7 @@ impl<N: Number> Line<N> {
 
     /// The ray, which must be valid, before the transform. Everything is multiplied by the determinant, so that nothing is
     /// divided. The outer `None` is doubt, the inner one a transform that is not finite or has no inverse.
-    pub(super) fn before(transform: &Affine3, ray: &Ray<f32>) -> Option<Option<Self>> {
+    pub(super) fn in_object_space(transform: &Affine3, ray: &Ray<f32>) -> Option<Option<Self>> {
         if !transform.is_finite() {
             return Some(None);
         }

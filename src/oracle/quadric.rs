@@ -22,7 +22,7 @@ impl Locate for Placed<Quadric> {
         if !can_hit(ray) {
             return Some(Truth::MISS);
         }
-        let line = Line::<N>::before(&self.object_to_world, ray)?;
+        let line = Line::<N>::in_object_space(&self.object_to_world, ray)?;
         line.map_or(Some(Truth::MISS), |line| truth(&self.shape, &line, ray))
     }
 }
@@ -42,7 +42,7 @@ fn truth<N: Number>(shape: &Quadric, line: &Line<N>, ray: &Ray<f32>) -> Option<T
         let (from_entry, from_exit) = (entry[root as usize], exit[root as usize]);
         if from_entry.is_ge() && from_exit.is_le() {
             let at_an_end = from_entry.is_eq() | from_exit.is_eq();
-            let boundary = at_an_end | segment.within_face | (polynomial.kind == Kind::Double);
+            let boundary = at_an_end | segment.in_box_plane | (polynomial.kind == Kind::Double);
             return Some(Truth { hit: true, boundary, t: polynomial.round(root)?, u: 0.0, v: 0.0 });
         }
     }
@@ -134,6 +134,6 @@ impl<N: Number> Polynomial<N> {
 
     fn round(&self, root: Root) -> Option<f32> {
         let Self { a, b, c, discriminant, kind } = self;
-        if *kind == Kind::Linear { c.negated().over(&b.plus(b)) } else { N::root(a, b, c, discriminant, root) }
+        if *kind == Kind::Linear { c.negated().divided_by(&b.plus(b)) } else { N::root(a, b, c, discriminant, root) }
     }
 }

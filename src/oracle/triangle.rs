@@ -83,5 +83,11 @@ fn solve<N: Number>(s: &[N; 3], e1: &[N; 3], e2: &[N; 3], ray: &Ray<f32>) -> Opt
         side => boundary |= side.is_eq(),
     }
 
-    Some(Truth { hit: true, boundary, t: t_scaled.over(&det)?, u: u_scaled.over(&det)?, v: v_scaled.over(&det)? })
+    Some(Truth {
+        hit: true,
+        boundary,
+        t: t_scaled.divided_by(&det)?,
+        u: u_scaled.divided_by(&det)?,
+        v: v_scaled.divided_by(&det)?,
+    })
 }

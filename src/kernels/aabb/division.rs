@@ -23,9 +23,12 @@ use crate::geom::lanes::{Lanes, eq8, ge8, gt8, le8, lt8};
 use crate::geom::{Aabb, Hit, Mask8, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Boxes for the division slab test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Division<P: Lanes>(Slabs<P>);
+prepared! {
+    /// Boxes for the division slab test.
+    pub struct Division<P: Lanes> {
+        slabs: Slabs<P>,
+    }
+}
 
 impl Kernel for Division<f32> {
     type Shape = Aabb;
@@ -40,17 +43,10 @@ impl Kernel for Division<f32> {
     };
 
     fn prepare(shape: &Aabb) -> Self {
-        Self(Slabs::prepare(shape))
+        Self { slabs: Slabs::prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Division(Slabs::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Division<f32> {
@@ -63,7 +59,7 @@ impl Intersect<f32> for Division<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
-        let Slabs { lo, hi } = self.0;
+        let Self { slabs: Slabs { lo, hi } } = *self;
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         let mut ordered = true;
         for axis in 0..3 {
@@ -88,7 +84,7 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let Slabs { lo, hi } = self.0.widen();
+        let Division { slabs: Slabs { lo, hi } } = self.widen();
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         let mut ordered = Mask8::all_lanes();
         for (lo, hi, o, d) in [

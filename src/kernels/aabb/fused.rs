@@ -26,9 +26,12 @@ use crate::geom::lanes::{Lanes, Vec3x8, le8, lt8, max, max8, min, min8, mul_add,
 use crate::geom::{Aabb, Hit, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Boxes for the fused slab test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fused<P: Lanes>(Slabs<P>);
+prepared! {
+    /// Boxes for the fused slab test.
+    pub struct Fused<P: Lanes> {
+        slabs: Slabs<P>,
+    }
+}
 
 /// The per-ray data of the fused slab test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,17 +59,10 @@ impl Kernel for Fused<f32> {
     };
 
     fn prepare(shape: &Aabb) -> Self {
-        Self(Slabs::prepare(shape))
+        Self { slabs: Slabs::prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Fused(Slabs::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Fused<f32> {
@@ -83,7 +79,7 @@ impl Intersect<f32> for Fused<f32> {
 
     #[inline(always)]
     fn candidate(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
-        let Slabs { lo, hi } = self.0;
+        let Self { slabs: Slabs { lo, hi } } = *self;
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
             let (lo, hi, inv, offset) = (lo[axis], hi[axis], setup.inv_dir[axis], setup.offset[axis]);
@@ -111,7 +107,7 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
 
     #[inline(always)]
     fn candidate(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let Slabs { lo, hi } = self.0.widen();
+        let Fused { slabs: Slabs { lo, hi } } = self.widen();
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, inv, offset) in [
             (lo.x, hi.x, setup.inv_dir.x, setup.offset.x),

@@ -30,13 +30,14 @@ use crate::geom::lanes::{Lanes, Vec3x8, max, max8, min, min8, sign_bit, sign_bit
 use crate::geom::{Aabb, Ray};
 use crate::kernels::Operations;
 
-/// The corners of one box or of eight: what all slab kernels store, 24 bytes a box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slabs<P: Lanes> {
-    /// Least corners.
-    pub lo: P::Vec3,
-    /// Greatest corners.
-    pub hi: P::Vec3,
+prepared! {
+    /// The corners of one box or of eight: what all slab kernels store, 24 bytes a box.
+    pub struct Slabs<P: Lanes> {
+        /// Least corners.
+        pub lo: P::Vec3,
+        /// Greatest corners.
+        pub hi: P::Vec3,
+    }
 }
 
 impl From<Aabb> for Slabs<f32> {
@@ -48,24 +49,6 @@ impl From<Aabb> for Slabs<f32> {
 impl Slabs<f32> {
     fn prepare(shape: &Aabb) -> Self {
         shape.or_empty().into()
-    }
-}
-
-impl Slabs<f32x8> {
-    pub(crate) fn gather(boxes: [Slabs<f32>; 8]) -> Self {
-        Self { lo: Vec3x8::from_lanes(boxes.map(|b| b.lo)), hi: Vec3x8::from_lanes(boxes.map(|b| b.hi)) }
-    }
-
-    #[inline(always)]
-    pub(crate) fn lane(&self, lane: usize) -> Slabs<f32> {
-        Slabs { lo: self.lo.lane(lane), hi: self.hi.lane(lane) }
-    }
-}
-
-impl<P: Lanes> Slabs<P> {
-    #[inline(always)]
-    pub(crate) fn widen(&self) -> Slabs<f32x8> {
-        Slabs { lo: P::widen_vec3(self.lo), hi: P::widen_vec3(self.hi) }
     }
 }
 

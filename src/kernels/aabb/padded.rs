@@ -42,9 +42,12 @@ pub(crate) fn pad8(exit: f32x8, t_max: f32x8) -> f32x8 {
     min8(max8(exit * f32x8::splat(PAD_AHEAD), exit * f32x8::splat(PAD_BEHIND)), t_max)
 }
 
-/// Boxes for the padded slab test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Padded<P: Lanes>(Slabs<P>);
+prepared! {
+    /// Boxes for the padded slab test.
+    pub struct Padded<P: Lanes> {
+        slabs: Slabs<P>,
+    }
+}
 
 impl Kernel for Padded<f32> {
     type Shape = Aabb;
@@ -59,17 +62,10 @@ impl Kernel for Padded<f32> {
     };
 
     fn prepare(shape: &Aabb) -> Self {
-        Self(Slabs::prepare(shape))
+        Self { slabs: Slabs::prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Padded(Slabs::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Padded<f32> {
@@ -82,7 +78,9 @@ impl Intersect<f32> for Padded<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
-        let (entry, exit) = slab_interval(&self.0, ray.origin, setup);
+        let Self { slabs } = self;
+
+        let (entry, exit) = slab_interval(slabs, ray.origin, setup);
         let exit = pad(exit, setup.t_max);
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
@@ -98,7 +96,9 @@ impl<P: Lanes> Intersect<f32x8> for Padded<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let (entry, exit) = slab_interval8(&self.0.widen(), ray.origin, setup);
+        let Padded { slabs } = self.widen();
+
+        let (entry, exit) = slab_interval8(&slabs, ray.origin, setup);
         let exit = pad8(exit, setup.t_max);
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }

@@ -26,9 +26,12 @@ use crate::geom::lanes::{Lanes, le8, max, max8, min, min8};
 use crate::geom::{Aabb, Hit, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Boxes for the reciprocal slab test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reciprocal<P: Lanes>(Slabs<P>);
+prepared! {
+    /// Boxes for the reciprocal slab test.
+    pub struct Reciprocal<P: Lanes> {
+        slabs: Slabs<P>,
+    }
+}
 
 impl Kernel for Reciprocal<f32> {
     type Shape = Aabb;
@@ -46,17 +49,10 @@ impl Kernel for Reciprocal<f32> {
         let slabs = Slabs::prepare(shape);
         // Minimum and maximum would turn an inverted box inside out; a point at infinity stays out of reach.
         let empty = slabs.lo.x > slabs.hi.x;
-        Self(if empty { Slabs { lo: slabs.lo, hi: slabs.lo } } else { slabs })
+        Self { slabs: if empty { Slabs { lo: slabs.lo, hi: slabs.lo } } else { slabs } }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Reciprocal(Slabs::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Reciprocal<f32> {
@@ -71,7 +67,7 @@ impl Intersect<f32> for Reciprocal<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
-        let Slabs { lo, hi } = self.0;
+        let Self { slabs: Slabs { lo, hi } } = *self;
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
             let (o, inv) = (ray.origin[axis], setup.inv_dir[axis]);
@@ -95,7 +91,7 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let Slabs { lo, hi } = self.0.widen();
+        let Reciprocal { slabs: Slabs { lo, hi } } = self.widen();
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, o, inv) in [
             (lo.x, hi.x, ray.origin.x, setup.inv_dir.x),

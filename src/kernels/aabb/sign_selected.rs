@@ -20,9 +20,12 @@ use crate::geom::lanes::{Lanes, le8};
 use crate::geom::{Aabb, Hit, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Boxes for the sign-selected slab test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SignSelected<P: Lanes>(Slabs<P>);
+prepared! {
+    /// Boxes for the sign-selected slab test.
+    pub struct SignSelected<P: Lanes> {
+        slabs: Slabs<P>,
+    }
+}
 
 impl Kernel for SignSelected<f32> {
     type Shape = Aabb;
@@ -37,17 +40,10 @@ impl Kernel for SignSelected<f32> {
     };
 
     fn prepare(shape: &Aabb) -> Self {
-        Self(Slabs::prepare(shape))
+        Self { slabs: Slabs::prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        SignSelected(Slabs::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for SignSelected<f32> {
@@ -60,7 +56,9 @@ impl Intersect<f32> for SignSelected<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
-        let (entry, exit) = slab_interval(&self.0, ray.origin, setup);
+        let Self { slabs } = self;
+
+        let (entry, exit) = slab_interval(slabs, ray.origin, setup);
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -75,7 +73,9 @@ impl<P: Lanes> Intersect<f32x8> for SignSelected<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let (entry, exit) = slab_interval8(&self.0.widen(), ray.origin, setup);
+        let SignSelected { slabs } = self.widen();
+
+        let (entry, exit) = slab_interval8(&slabs, ray.origin, setup);
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -21,7 +21,7 @@ use wide::{f32x8, f64x8};
 
 use super::{RayTransform, SingularTransform, TransformMethod, inverse_linear};
 use crate::geom::Ray;
-use crate::geom::lanes::{Vec3x8, to_f32x8, to_f64x8};
+use crate::geom::lanes::{Vec3x8, double8, to_f32x8};
 use crate::kernels::{DoubleOperations, Id, Info, Operations};
 
 /// One transform (`V` a [`DVec3`]), or eight (`V` a `[f64x8; 3]`).
@@ -49,10 +49,9 @@ impl RayTransform<f32x8> for SubtractFirstF64<[f64x8; 3]> {
         let [x, y, z] = self.inverse;
         let row = |axis: usize, v: [f64x8; 3]| to_f32x8((x[axis] * v[0] + y[axis] * v[1]) + z[axis] * v[2]);
         let apply = |v: [f64x8; 3]| Vec3x8 { x: row(0, v), y: row(1, v), z: row(2, v) };
-        let double = |v: Vec3x8| [to_f64x8(v.x), to_f64x8(v.y), to_f64x8(v.z)];
-        let ([ox, oy, oz], [tx, ty, tz]) = (double(ray.origin), self.translation);
+        let ([ox, oy, oz], [tx, ty, tz]) = (double8(ray.origin), self.translation);
         let origin = [ox - tx, oy - ty, oz - tz];
-        Ray { origin: apply(origin), dir: apply(double(ray.dir)), t_min: ray.t_min, t_max: ray.t_max }
+        Ray { origin: apply(origin), dir: apply(double8(ray.dir)), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
 

@@ -20,34 +20,35 @@
 use glam::{Affine3, Vec3};
 use wide::f32x8;
 
-use super::{RayTransform, SingularTransform, TransformMethod, is_singular};
-use crate::geom::Ray;
-use crate::geom::lanes::{Lanes, Vec3x8};
+use super::{Columns, RayTransform, SingularTransform, TransformMethod, is_singular};
+use crate::geom::{Lanes, Ray};
 use crate::kernels::{Id, Info, Operations};
 
-/// One transform, or eight: the columns of the inverse matrix.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Inverse<M: Lanes> {
-    linear: [M::Vec3; 3],
-    translation: M::Vec3,
+prepared! {
+    /// One transform, or eight: the inverse matrix.
+    pub struct Inverse<P: Lanes> {
+        linear: Columns<P>,
+        translation: P::Vec3,
+    }
 }
 
 impl RayTransform<f32> for Inverse<f32> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
-        let [x, y, z] = self.linear;
-        let apply = |v: Vec3| (x * v.x + y * v.y) + z * v.z;
-        Ray { origin: apply(ray.origin) + self.translation, dir: apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
+        let Self { linear, translation } = self;
+
+        let origin = linear.apply(ray.origin) + translation;
+        Ray { origin, dir: linear.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
 
-impl<M: Lanes> RayTransform<f32x8> for Inverse<M> {
+impl<P: Lanes> RayTransform<f32x8> for Inverse<P> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
-        let [x, y, z] = self.linear.map(M::widen_vec3);
-        let translation = M::widen_vec3(self.translation);
-        let apply = |v: Vec3x8| (x * v.x + y * v.y) + z * v.z;
-        Ray { origin: apply(ray.origin) + translation, dir: apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
+        let Inverse { linear, translation } = self.widen();
+
+        let origin = linear.apply(ray.origin) + translation;
+        Ray { origin, dir: linear.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
 
@@ -61,7 +62,7 @@ impl TransformMethod for Inverse<f32> {
         setup: Operations::NONE,
         claims: &[],
     };
-    const NOWHERE: Self = Self { linear: [Vec3::ZERO; 3], translation: Vec3::ZERO };
+    const NOWHERE: Self = Self { linear: Columns::ZERO, translation: Vec3::ZERO };
 
     fn prepare(object_to_world: &Affine3) -> Result<Self, SingularTransform> {
         let Affine3 { matrix3: linear, translation } = object_to_world.inverse();
@@ -69,21 +70,15 @@ impl TransformMethod for Inverse<f32> {
         if bad || !linear.is_finite() || !translation.is_finite() || is_singular(&linear.as_dmat3()) {
             return Err(SingularTransform { transform: *object_to_world });
         }
-        Ok(Self { linear: [linear.x_axis, linear.y_axis, linear.z_axis], translation })
+        Ok(Self { linear: linear.into(), translation })
     }
 
     fn gather(transforms: [Self; 8]) -> Self::Packet {
-        Inverse {
-            linear: [0, 1, 2].map(|column| Vec3x8::from_lanes(transforms.map(|one| one.linear[column]))),
-            translation: Vec3x8::from_lanes(transforms.map(|one| one.translation)),
-        }
+        Self::Packet::gather(&transforms)
     }
 
     #[inline(always)]
     fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self {
-            linear: packet.linear.each_ref().map(|column| column.lane(lane)),
-            translation: packet.translation.lane(lane),
-        }
+        packet.lane(lane)
     }
 }

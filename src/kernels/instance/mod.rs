@@ -15,10 +15,10 @@ pub use f64::SubtractFirstF64;
 pub use inverse::Inverse;
 pub use subtract_first::SubtractFirst;
 
-use glam::{Affine3, DMat3};
+use glam::{Affine3, DMat3, Mat3, Vec3};
 use wide::f32x8;
 
-use crate::geom::{Hit, Lanes, Placed, Ray};
+use crate::geom::{Hit, Lanes, Placed, Ray, Vec3x8};
 use crate::kernels::{Id, Info, Intersect, Kernel};
 
 /// An instance of anything that can be intersected (`W` a transform for one ray), or eight instances of eight prepared
@@ -29,6 +29,39 @@ pub struct Instance<T, W = SubtractFirst<f32>> {
     object: T,
     /// How rays come to it.
     world_to_object: W,
+}
+
+prepared! {
+    /// The columns of one 3×3 matrix, or of eight.
+    struct Columns<P: Lanes> {
+        x: P::Vec3,
+        y: P::Vec3,
+        z: P::Vec3,
+    }
+}
+
+impl From<Mat3> for Columns<f32> {
+    fn from(matrix: Mat3) -> Self {
+        Self { x: matrix.x_axis, y: matrix.y_axis, z: matrix.z_axis }
+    }
+}
+
+impl Columns<f32> {
+    const ZERO: Self = Self { x: Vec3::ZERO, y: Vec3::ZERO, z: Vec3::ZERO };
+
+    /// Matrix times vector.
+    #[inline(always)]
+    fn apply(&self, v: Vec3) -> Vec3 {
+        (self.x * v.x + self.y * v.y) + self.z * v.z
+    }
+}
+
+impl Columns<f32x8> {
+    /// [`Columns::<f32>::apply`] in eight lanes.
+    #[inline(always)]
+    fn apply(&self, v: Vec3x8) -> Vec3x8 {
+        (self.x * v.x + self.y * v.y) + self.z * v.z
+    }
 }
 
 /// One transform of one ray (`L = f32`), or of eight rays by one transform or by eight (`L = f32x8`): the twins of a

@@ -22,20 +22,20 @@
 use glam::{Affine3, Vec3};
 use wide::f32x8;
 
-use super::{Instance, RayTransform, SingularTransform, TransformMethod, inverse_linear, is_singular};
-use crate::geom::Ray;
-use crate::geom::lanes::{Lanes, Vec3x8};
+use super::{Columns, Instance, RayTransform, SingularTransform, TransformMethod, inverse_linear, is_singular};
+use crate::geom::{Lanes, Ray};
 use crate::kernels::{Id, Info, Operations};
 
-/// One transform, or eight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SubtractFirst<M: Lanes> {
-    /// Columns of L⁻¹.
-    inverse: [M::Vec3; 3],
-    /// T.
-    translation: M::Vec3,
-    /// Columns of L.
-    linear: [M::Vec3; 3],
+prepared! {
+    /// One transform, or eight.
+    pub struct SubtractFirst<P: Lanes> {
+        /// L⁻¹.
+        inverse: Columns<P>,
+        /// T.
+        translation: P::Vec3,
+        /// L.
+        linear: Columns<P>,
+    }
 }
 
 impl<T> Instance<T> {
@@ -55,7 +55,8 @@ impl<T> Instance<T> {
     /// below 2⁻⁴⁹ times the condition number of L.
     #[inline]
     pub fn normal_to_world(&self, normal: Vec3) -> Vec3 {
-        let [x, y, z] = self.world_to_object.linear.map(Vec3::as_dvec3);
+        let Columns { x, y, z } = self.world_to_object.linear;
+        let [x, y, z] = [x, y, z].map(Vec3::as_dvec3);
         let n = normal.as_dvec3();
         (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).normalize_or_zero().as_vec3()
     }
@@ -64,19 +65,20 @@ impl<T> Instance<T> {
 impl RayTransform<f32> for SubtractFirst<f32> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
-        let [x, y, z] = self.inverse;
-        let apply = |v: Vec3| (x * v.x + y * v.y) + z * v.z;
-        Ray { origin: apply(ray.origin - self.translation), dir: apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
+        let Self { inverse, translation, .. } = self;
+
+        let origin = inverse.apply(ray.origin - translation);
+        Ray { origin, dir: inverse.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
 
-impl<M: Lanes> RayTransform<f32x8> for SubtractFirst<M> {
+impl<P: Lanes> RayTransform<f32x8> for SubtractFirst<P> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
-        let [x, y, z] = self.inverse.map(M::widen_vec3);
-        let translation = M::widen_vec3(self.translation);
-        let apply = |v: Vec3x8| (x * v.x + y * v.y) + z * v.z;
-        Ray { origin: apply(ray.origin - translation), dir: apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
+        let SubtractFirst { inverse, translation, .. } = self.widen();
+
+        let origin = inverse.apply(ray.origin - translation);
+        Ray { origin, dir: inverse.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
 
@@ -90,7 +92,7 @@ impl TransformMethod for SubtractFirst<f32> {
         setup: Operations::NONE,
         claims: &[],
     };
-    const NOWHERE: Self = Self { inverse: [Vec3::ZERO; 3], translation: Vec3::ZERO, linear: [Vec3::ZERO; 3] };
+    const NOWHERE: Self = Self { inverse: Columns::ZERO, translation: Vec3::ZERO, linear: Columns::ZERO };
 
     fn prepare(object_to_world: &Affine3) -> Result<Self, SingularTransform> {
         let inverse = inverse_linear(object_to_world)?.as_mat3();
@@ -98,28 +100,16 @@ impl TransformMethod for SubtractFirst<f32> {
         if !inverse.is_finite() || is_singular(&inverse.as_dmat3()) {
             return Err(SingularTransform { transform: *object_to_world });
         }
-        let linear = object_to_world.matrix3;
-        Ok(Self {
-            inverse: [inverse.x_axis, inverse.y_axis, inverse.z_axis],
-            translation: object_to_world.translation,
-            linear: [linear.x_axis, linear.y_axis, linear.z_axis],
-        })
+        let (linear, translation) = (object_to_world.matrix3.into(), object_to_world.translation);
+        Ok(Self { inverse: inverse.into(), translation, linear })
     }
 
     fn gather(transforms: [Self; 8]) -> Self::Packet {
-        SubtractFirst {
-            inverse: [0, 1, 2].map(|column| Vec3x8::from_lanes(transforms.map(|one| one.inverse[column]))),
-            translation: Vec3x8::from_lanes(transforms.map(|one| one.translation)),
-            linear: [0, 1, 2].map(|column| Vec3x8::from_lanes(transforms.map(|one| one.linear[column]))),
-        }
+        Self::Packet::gather(&transforms)
     }
 
     #[inline(always)]
     fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self {
-            inverse: packet.inverse.each_ref().map(|column| column.lane(lane)),
-            translation: packet.translation.lane(lane),
-            linear: packet.linear.each_ref().map(|column| column.lane(lane)),
-        }
+        packet.lane(lane)
     }
 }

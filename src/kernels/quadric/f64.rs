@@ -35,7 +35,7 @@
 
 use wide::{f32x8, f64x8};
 
-use super::{Approach, Form, Span};
+use super::{Approach, ClipInterval, Form};
 use crate::geom::lanes::{
     Lanes, Mask64, dot_f64x8, double8, ge64, le8, le64, lt8, lt64, sign_bit_f64x8, sqrt_f64, sqrt_f64x8, to_f32x8,
     to_f64x8,
@@ -44,16 +44,17 @@ use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics for the roots in `f64`: the coefficients and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Double<P: Lanes> {
-    form: Form<P>,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics for the roots in `f64`: the coefficients and the box.
+    pub struct QuadricF64<P: Lanes> {
+        form: Form<P>,
+        clip: Slabs<P>,
+    }
 }
 
-impl Kernel for Double<f32> {
+impl Kernel for QuadricF64<f32> {
     type Shape = Quadric;
-    type Packet = Double<f32x8>;
+    type Packet = QuadricF64<f32x8>;
     const INFO: Info = Info {
         id: Id::of("quadric/f64"),
         idea: "polynomial, roots and the box's cut in f64; f32 in and out",
@@ -75,20 +76,10 @@ impl Kernel for Double<f32> {
         Self { form: Form::of(shape), clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Double {
-            form: Form::gather(primitives.map(|one| one.form)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { form: packet.form.lane(lane), clip: packet.clip.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
-impl Intersect<f32> for Double<f32> {
+impl Intersect<f32> for QuadricF64<f32> {
     type Setup = Approach<f32>;
 
     #[inline(always)]
@@ -98,10 +89,11 @@ impl Intersect<f32> for Double<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
-        let form = &self.form;
+        let Self { form, clip } = self;
+
+        let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
         let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
-        let moved = f64::from(span.start(ray.origin, setup.back));
+        let moved = f64::from(interval.start(ray.origin, setup.to_closest));
         let p = o + d * moved;
 
         let g = form.half_gradient_f64(p);
@@ -112,7 +104,7 @@ impl Intersect<f32> for Double<f32> {
         let q = -(b + if b.is_sign_negative() { -root } else { root });
         let (t0, t1) = (moved + q / a, moved + c / q);
 
-        let (lo, hi) = (self.clip.lo.as_dvec3(), self.clip.hi.as_dvec3());
+        let (lo, hi) = (clip.lo.as_dvec3(), clip.hi.as_dvec3());
         let counts = |t: f64| {
             let p = o + d * t;
             (t >= f64::from(setup.slabs.t_min))
@@ -122,12 +114,12 @@ impl Intersect<f32> for Double<f32> {
         };
         let (first, second) = (counts(t0), counts(t1));
         let t = (if first & (!second | (t0 < t1)) { t0 } else { t1 }) as f32;
-        let in_range = (t.abs() < f32::INFINITY) & (span.entry <= span.exit);
-        Hit::<f32>::new((first | second) & in_range, span.report(t), 0.0, 0.0)
+        let in_range = (t.abs() < f32::INFINITY) & (interval.entry <= interval.exit);
+        Hit::<f32>::new((first | second) & in_range, interval.report(t), 0.0, 0.0)
     }
 }
 
-impl<P: Lanes> Intersect<f32x8> for Double<P> {
+impl<P: Lanes> Intersect<f32x8> for QuadricF64<P> {
     type Setup = Approach<f32x8>;
 
     #[inline(always)]
@@ -137,11 +129,11 @@ impl<P: Lanes> Intersect<f32x8> for Double<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let clip = self.clip.widen();
-        let span = Span::<f32x8>::of(&clip, ray.origin, &setup.slabs);
-        let form = self.form.widen();
+        let QuadricF64 { form, clip } = self.widen();
+
+        let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
         let (o, d) = (double8(ray.origin), double8(ray.dir));
-        let moved = to_f64x8(span.start(ray.origin, setup.back));
+        let moved = to_f64x8(interval.start(ray.origin, setup.to_closest));
         let at = |t: f64x8| [0, 1, 2].map(|axis| o[axis] + d[axis] * t);
         let p = at(moved);
 
@@ -161,15 +153,15 @@ impl<P: Lanes> Intersect<f32x8> for Double<P> {
         let (t_min, t_max) = (to_f64x8(setup.slabs.t_min), to_f64x8(setup.slabs.t_max));
         let counts = |t: f64x8| -> Mask64 {
             let p = at(t);
-            let within = |axis: usize| ge64(p[axis], lo[axis]) & le64(p[axis], hi[axis]);
+            let in_slab = |axis: usize| ge64(p[axis], lo[axis]) & le64(p[axis], hi[axis]);
             ge64(t, t_min)
                 & le64(t, t_max)
                 & lt64(t.abs(), f64x8::splat(f64::INFINITY))
-                & (within(0) & within(1) & within(2))
+                & (in_slab(0) & in_slab(1) & in_slab(2))
         };
         let (first, second) = (counts(t0), counts(t1));
         let t = to_f32x8((first & (!second | lt64(t0, t1))).select(t0, t1));
-        let in_range = lt8(t.abs(), f32x8::splat(f32::INFINITY)) & le8(span.entry, span.exit);
-        Hit::<f32x8>::candidate((first | second).narrow() & in_range, span.report(t), f32x8::ZERO, f32x8::ZERO)
+        let in_range = lt8(t.abs(), f32x8::splat(f32::INFINITY)) & le8(interval.entry, interval.exit);
+        Hit::<f32x8>::candidate((first | second).narrow() & in_range, interval.report(t), f32x8::ZERO, f32x8::ZERO)
     }
 }

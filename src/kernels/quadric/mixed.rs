@@ -29,17 +29,18 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Approach, Form, Span, roots, roots8};
+use super::{Approach, ClipInterval, Form, roots, roots8};
 use crate::geom::lanes::{Lanes, dot_f64x8, double8, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics whose polynomial is evaluated in `f64` and solved in `f32`: the coefficients and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixed<P: Lanes> {
-    form: Form<P>,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics whose polynomial is evaluated in `f64` and solved in `f32`: the coefficients and the box.
+    pub struct Mixed<P: Lanes> {
+        form: Form<P>,
+        clip: Slabs<P>,
+    }
 }
 
 impl Kernel for Mixed<f32> {
@@ -66,17 +67,7 @@ impl Kernel for Mixed<f32> {
         Self { form: Form::about(shape, Vec3::ZERO), clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Mixed {
-            form: Form::gather(primitives.map(|one| one.form)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { form: packet.form.lane(lane), clip: packet.clip.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Mixed<f32> {
@@ -89,9 +80,10 @@ impl Intersect<f32> for Mixed<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
-        let form = &self.form;
-        let moved = span.start(ray.origin, setup.back);
+        let Self { form, clip } = self;
+
+        let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
+        let moved = interval.start(ray.origin, setup.to_closest);
         let d = setup.dir.as_dvec3();
         let p = ray.origin.as_dvec3() + d * f64::from(moved * setup.unit);
 
@@ -100,7 +92,7 @@ impl Intersect<f32> for Mixed<f32> {
         let b = d.dot(g);
         let c = p.dot(g + form.linear.as_dvec3()) + f64::from(form.constant);
         let [t0, t1] = roots((b * b - a * c) as f32, a as f32, b as f32, c as f32);
-        span.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
+        interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
 }
 
@@ -114,9 +106,10 @@ impl<P: Lanes> Intersect<f32x8> for Mixed<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let span = Span::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
-        let form = self.form.widen();
-        let moved = span.start(ray.origin, setup.back);
+        let Mixed { form, clip } = self.widen();
+
+        let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+        let moved = interval.start(ray.origin, setup.to_closest);
         let (o, d) = (double8(ray.origin), double8(setup.dir));
         let step = to_f64x8(moved * setup.unit);
         let p = [0, 1, 2].map(|axis| o[axis] + d[axis] * step);
@@ -127,6 +120,6 @@ impl<P: Lanes> Intersect<f32x8> for Mixed<P> {
         let h = double8(form.linear);
         let c = dot_f64x8(p, [0, 1, 2].map(|axis| g[axis] + h[axis])) + to_f64x8(form.constant);
         let [t0, t1] = roots8(to_f32x8(b * b - a * c), to_f32x8(a), to_f32x8(b), to_f32x8(c));
-        span.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
+        interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
 }

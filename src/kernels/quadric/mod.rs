@@ -19,24 +19,24 @@
 //! smaller magnitude is lost a second time in `-b ± √D` where b² is much larger than a·c, next to the surface or
 //! where `a` is small; they take it from the other root instead.
 
-// Not `mod f64`, which would hide the type.
-#[path = "f64.rs"]
-mod double;
 mod mixed;
 mod naive;
+// The file has the name of the kernel's ID. A module `f64` would hide the type `f64` in this file.
+#[path = "f64.rs"]
+mod quadric_f64;
 mod stable;
 
-pub use double::Double;
 pub use mixed::Mixed;
 pub use naive::Naive;
+pub use quadric_f64::QuadricF64;
 pub use stable::Stable;
 
 use glam::{DMat3, DVec3, Vec3};
 use wide::{f32x8, f64x8};
 
 use crate::geom::lanes::{
-    DVec3x8, Lanes, Mask8, Vec3x8, accepts, accepts8, dot_f64x8, double8, ge8, le8, lt8, max, max8, min, min8,
-    power_of_two, power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8,
+    DVec3x8, Lanes, Mask8, Vec3x8, dot_f64x8, double8, ge8, le8, lt8, max, max8, min, min8, power_of_two,
+    power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8, t_in_range, t_in_range8,
 };
 use crate::geom::{Aabb, Hit, Quadric, Ray};
 use crate::kernels::Operations;
@@ -44,7 +44,7 @@ use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, sl
 
 /// Where a ray runs through a quadric's box.
 #[derive(Clone, Copy, Debug)]
-struct Span<L: Lanes> {
+struct ClipInterval<L: Lanes> {
     /// Of the whole line, whatever the ray's interval: where the origin may be moved to.
     line: [L; 2],
     /// Where the ray's own interval starts.
@@ -57,7 +57,7 @@ struct Span<L: Lanes> {
     exit: L,
 }
 
-impl Span<f32> {
+impl ClipInterval<f32> {
     #[inline(always)]
     fn of(clip: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> Self {
         let line = InverseDirection { inv_dir: setup.inv_dir, t_min: f32::NEG_INFINITY, t_max: f32::INFINITY };
@@ -81,21 +81,21 @@ impl Span<f32> {
     /// Where to move the origin to, for kernels that lose nothing between there and the surface: nowhere from within the
     /// box, so that short distances keep their digits, and else to the box, as near to 0 as the ray comes.
     #[inline(always)]
-    fn start(&self, origin: Vec3, back: Vec3) -> f32 {
+    fn start(&self, origin: Vec3, to_closest: Vec3) -> f32 {
         let [entry, exit] = self.line;
-        if (entry <= 0.0) & (exit >= 0.0) { 0.0 } else { self.clamp(origin.dot(back)) }
+        if (entry <= 0.0) & (exit >= 0.0) { 0.0 } else { self.clamp(origin.dot(to_closest)) }
     }
 
     /// Whether a hit at `t` is one of the box too. Infinities and NaN are not.
     #[inline(always)]
-    fn accepts(&self, t: f32) -> bool {
-        accepts(self.t_min, t, self.exit) & (t >= self.earliest) & (self.entry <= self.exit)
+    fn contains(&self, t: f32) -> bool {
+        t_in_range(self.t_min, t, self.exit) & (t >= self.earliest) & (self.entry <= self.exit)
     }
 
     /// The nearer of two roots, in whatever order they come, among those that count.
     #[inline(always)]
     fn hit(&self, [t0, t1]: [f32; 2]) -> Hit<f32> {
-        let (first, second) = (self.accepts(t0), self.accepts(t1));
+        let (first, second) = (self.contains(t0), self.contains(t1));
         let t = if first & (!second | (t0 < t1)) { t0 } else { t1 };
         Hit::<f32>::new(first | second, self.report(t), 0.0, 0.0)
     }
@@ -107,8 +107,8 @@ impl Span<f32> {
     }
 }
 
-impl Span<f32x8> {
-    /// [`Span::<f32>::of`] in eight lanes.
+impl ClipInterval<f32x8> {
+    /// [`ClipInterval::<f32>::of`] in eight lanes.
     #[inline(always)]
     fn of(clip: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> Self {
         let line = InverseDirection {
@@ -126,35 +126,35 @@ impl Span<f32x8> {
         }
     }
 
-    /// [`Span::<f32>::clamp`] in eight lanes.
+    /// [`ClipInterval::<f32>::clamp`] in eight lanes.
     #[inline(always)]
     fn clamp(&self, t: f32x8) -> f32x8 {
         let [entry, exit] = self.line;
         min8(max8(t, entry), exit)
     }
 
-    /// [`Span::<f32>::start`] in eight lanes.
+    /// [`ClipInterval::<f32>::start`] in eight lanes.
     #[inline(always)]
-    fn start(&self, origin: Vec3x8, back: Vec3x8) -> f32x8 {
+    fn start(&self, origin: Vec3x8, to_closest: Vec3x8) -> f32x8 {
         let ([entry, exit], zero) = (self.line, f32x8::ZERO);
-        (le8(entry, zero) & ge8(exit, zero)).select(zero, self.clamp(origin.dot(back)))
+        (le8(entry, zero) & ge8(exit, zero)).select(zero, self.clamp(origin.dot(to_closest)))
     }
 
-    /// [`Span::<f32>::accepts`] in eight lanes.
+    /// [`ClipInterval::<f32>::contains`] in eight lanes.
     #[inline(always)]
-    fn accepts(&self, t: f32x8) -> Mask8 {
-        accepts8(self.t_min, t, self.exit) & ge8(t, self.earliest) & le8(self.entry, self.exit)
+    fn contains(&self, t: f32x8) -> Mask8 {
+        t_in_range8(self.t_min, t, self.exit) & ge8(t, self.earliest) & le8(self.entry, self.exit)
     }
 
-    /// [`Span::<f32>::hit`] in eight lanes.
+    /// [`ClipInterval::<f32>::hit`] in eight lanes.
     #[inline(always)]
     fn hit(&self, [t0, t1]: [f32x8; 2]) -> Hit<f32x8> {
-        let (first, second) = (self.accepts(t0), self.accepts(t1));
+        let (first, second) = (self.contains(t0), self.contains(t1));
         let t = (first & (!second | lt8(t0, t1))).select(t0, t1);
         Hit::<f32x8>::candidate(first | second, self.report(t), f32x8::ZERO, f32x8::ZERO)
     }
 
-    /// [`Span::<f32>::report`] in eight lanes.
+    /// [`ClipInterval::<f32>::report`] in eight lanes.
     #[inline(always)]
     fn report(&self, t: f32x8) -> f32x8 {
         min8(max8(t, self.entry), self.exit)
@@ -166,7 +166,7 @@ impl Span<f32x8> {
 pub struct Approach<L: Lanes> {
     slabs: InverseDirection<L>,
     /// `-dir / |dir|²`: times a point relative to the origin, it gives the `t` of the ray's closest approach.
-    back: L::Vec3,
+    to_closest: L::Vec3,
     /// `dir / unit`.
     dir: L::Vec3,
     /// A power of two of the magnitude of `dir`: dividing by it rounds nothing, and squares neither over- nor underflow.
@@ -176,7 +176,7 @@ pub struct Approach<L: Lanes> {
 }
 
 /// So large that its inverse is not subnormal.
-const GREATEST_UNIT: f32 = 1.0 / f32::MIN_POSITIVE;
+const MAX_UNIT: f32 = 1.0 / f32::MIN_POSITIVE;
 
 impl Approach<f32> {
     /// Of [`Approach::of`].
@@ -188,10 +188,16 @@ impl Approach<f32> {
     pub fn of(ray: &Ray<f32>) -> Self {
         let size = ray.dir.abs();
         let unit = power_of_two(max(max(size.x, size.y), size.z));
-        let unit = min(max(unit, f32::MIN_POSITIVE), GREATEST_UNIT);
+        let unit = min(max(unit, f32::MIN_POSITIVE), MAX_UNIT);
         let inv_unit = 1.0 / unit;
         let d = ray.dir * inv_unit;
-        Self { slabs: InverseDirection::<f32>::of(ray), back: d * (-1.0 / d.dot(d) * inv_unit), dir: d, unit, inv_unit }
+        Self {
+            slabs: InverseDirection::<f32>::of(ray),
+            to_closest: d * (-1.0 / d.dot(d) * inv_unit),
+            dir: d,
+            unit,
+            inv_unit,
+        }
     }
 }
 
@@ -201,12 +207,12 @@ impl Approach<f32x8> {
     pub fn of(ray: &Ray<f32x8>) -> Self {
         let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
         let unit = power_of_two8(max8(max8(size.x, size.y), size.z));
-        let unit = min8(max8(unit, f32x8::splat(f32::MIN_POSITIVE)), f32x8::splat(GREATEST_UNIT));
+        let unit = min8(max8(unit, f32x8::splat(f32::MIN_POSITIVE)), f32x8::splat(MAX_UNIT));
         let inv_unit = f32x8::ONE / unit;
         let d = ray.dir * inv_unit;
         Self {
             slabs: InverseDirection::<f32x8>::of(ray),
-            back: d * (-f32x8::ONE / d.dot(d) * inv_unit),
+            to_closest: d * (-f32x8::ONE / d.dot(d) * inv_unit),
             dir: d,
             unit,
             inv_unit,
@@ -214,21 +220,22 @@ impl Approach<f32x8> {
     }
 }
 
-/// `p·Mp + 2h·p + k`, the polynomial about some point, with everything multiplied by one power of two.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Form<P: Lanes> {
-    /// Diagonal of M.
-    squares: P::Vec3,
-    /// yz, zx and xy of M: half the coefficients of the products.
-    products: P::Vec3,
-    /// h: half the coefficients of x, y and z.
-    linear: P::Vec3,
-    /// k.
-    constant: P,
+prepared! {
+    /// `p·Mp + 2h·p + k`, the polynomial about some point, with everything multiplied by one power of two.
+    struct Form<P: Lanes> {
+        /// Diagonal of M.
+        squares: P::Vec3,
+        /// yz, zx and xy of M: half the coefficients of the products.
+        products: P::Vec3,
+        /// h: half the coefficients of x, y and z.
+        linear: P::Vec3,
+        /// k.
+        constant: P,
+    }
 }
 
 /// 2¹²⁶: twice as much is still an `f32`.
-const NEAR_THE_END: f64 = 1.0 / (f32::MIN_POSITIVE as f64);
+const LARGE_POWER_OF_TWO: f64 = 1.0 / (f32::MIN_POSITIVE as f64);
 
 /// The power of two at or below a positive normal number: all bits but those of the exponent are cleared.
 fn power_of_two_below(x: f64) -> f64 {
@@ -263,7 +270,7 @@ impl Form<f32> {
         let (squares, constant) = (shape.squares.as_dvec3(), f64::from(shape.constant));
         let (products, linear) = (shape.products.as_dvec3() * 0.5, shape.linear.as_dvec3() * 0.5);
         let greatest = squares.abs().max(products.abs()).max(linear.abs()).max_element().max(constant.abs());
-        let scale = NEAR_THE_END / power_of_two_below(greatest.max(f64::from(f32::MIN_POSITIVE)));
+        let scale = LARGE_POWER_OF_TWO / power_of_two_below(greatest.max(f64::from(f32::MIN_POSITIVE)));
         Self::scaled([squares, products, linear], constant, scale)
     }
 
@@ -314,25 +321,6 @@ impl Form<f32> {
 }
 
 impl Form<f32x8> {
-    fn gather(forms: [Form<f32>; 8]) -> Self {
-        Self {
-            squares: Vec3x8::from_lanes(forms.map(|form| form.squares)),
-            products: Vec3x8::from_lanes(forms.map(|form| form.products)),
-            linear: Vec3x8::from_lanes(forms.map(|form| form.linear)),
-            constant: f32x8::new(forms.map(|form| form.constant)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> Form<f32> {
-        Form {
-            squares: self.squares.lane(lane),
-            products: self.products.lane(lane),
-            linear: self.linear.lane(lane),
-            constant: self.constant.as_array()[lane],
-        }
-    }
-
     /// [`Form::<f32>::half_gradient`] in eight lanes.
     #[inline(always)]
     fn half_gradient(&self, p: Vec3x8) -> Vec3x8 {
@@ -369,18 +357,6 @@ impl Form<f32x8> {
     fn curvature_f64(&self, [x, y, z]: DVec3x8) -> f64x8 {
         let (squares, products) = (double8(self.squares), double8(self.products));
         dot_f64x8(squares, [x * x, y * y, z * z]) + dot_f64x8(products, [y * z, z * x, x * y]) * f64x8::splat(2.0)
-    }
-}
-
-impl<P: Lanes> Form<P> {
-    #[inline(always)]
-    fn widen(&self) -> Form<f32x8> {
-        Form {
-            squares: P::widen_vec3(self.squares),
-            products: P::widen_vec3(self.products),
-            linear: P::widen_vec3(self.linear),
-            constant: self.constant.widen(),
-        }
     }
 }
 

@@ -24,20 +24,21 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::Span;
+use super::ClipInterval;
 use crate::geom::lanes::{Lanes, Vec3x8, eq8, sqrt, sqrt8};
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics for the textbook's formula: the coefficients as they are, and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Naive<P: Lanes> {
-    squares: P::Vec3,
-    products: P::Vec3,
-    linear: P::Vec3,
-    constant: P,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics for the textbook's formula: the coefficients as they are, and the box.
+    pub struct Naive<P: Lanes> {
+        squares: P::Vec3,
+        products: P::Vec3,
+        linear: P::Vec3,
+        constant: P,
+        clip: Slabs<P>,
+    }
 }
 
 impl Kernel for Naive<f32> {
@@ -57,26 +58,7 @@ impl Kernel for Naive<f32> {
         Self { squares, products, linear, constant, clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Naive {
-            squares: Vec3x8::from_lanes(primitives.map(|one| one.squares)),
-            products: Vec3x8::from_lanes(primitives.map(|one| one.products)),
-            linear: Vec3x8::from_lanes(primitives.map(|one| one.linear)),
-            constant: f32x8::new(primitives.map(|one| one.constant)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self {
-            squares: packet.squares.lane(lane),
-            products: packet.products.lane(lane),
-            linear: packet.linear.lane(lane),
-            constant: packet.constant.as_array()[lane],
-            clip: packet.clip.lane(lane),
-        }
-    }
+    prepared!(gather, lane);
 }
 
 /// yz, zx and xy.
@@ -120,13 +102,14 @@ impl Intersect<f32> for Naive<f32> {
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { squares, products, linear, constant, clip } = *self;
+
         let (o, d) = (ray.origin, ray.dir);
         let a = squares.dot(d * d) + products.dot(pairs(d));
         let b = 2.0 * squares.dot(o * d) + products.dot(mixed_pairs(o, d)) + linear.dot(d);
         let c = squares.dot(o * o) + products.dot(pairs(o)) + linear.dot(o) + constant;
         let root = sqrt(b * b - 4.0 * a * c);
         let roots = if a == 0.0 { [-c / b; 2] } else { [(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)] };
-        Span::<f32>::of(&clip, o, setup).hit(roots)
+        ClipInterval::<f32>::of(&clip, o, setup).hit(roots)
     }
 }
 
@@ -140,8 +123,8 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
-        let (squares, products) = (P::widen_vec3(self.squares), P::widen_vec3(self.products));
-        let (linear, constant) = (P::widen_vec3(self.linear), self.constant.widen());
+        let Naive { squares, products, linear, constant, clip } = self.widen();
+
         let (o, d) = (ray.origin, ray.dir);
         let two = f32x8::splat(2.0);
         let a = squares.dot(product8(d, d)) + products.dot(pairs8(d));
@@ -150,6 +133,6 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
         let root = sqrt8(b * b - f32x8::splat(4.0) * a * c);
         let (flat, linear_root) = (eq8(a, f32x8::ZERO), -c / b);
         let roots = [(-b - root) / (two * a), (-b + root) / (two * a)].map(|root| flat.select(linear_root, root));
-        Span::<f32x8>::of(&self.clip.widen(), o, setup).hit(roots)
+        ClipInterval::<f32x8>::of(&clip, o, setup).hit(roots)
     }
 }

@@ -38,18 +38,19 @@
 
 use wide::f32x8;
 
-use super::{Approach, Form, Span, center, roots, roots8};
-use crate::geom::lanes::{Lanes, Vec3x8};
+use super::{Approach, ClipInterval, Form, center, roots, roots8};
+use crate::geom::lanes::Lanes;
 use crate::geom::{Hit, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Quadrics for the roots that keep their digits: the polynomial about a point near the surface, that point, and the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stable<P: Lanes> {
-    form: Form<P>,
-    center: P::Vec3,
-    clip: Slabs<P>,
+prepared! {
+    /// Quadrics for the roots that keep their digits: the polynomial about a point near the surface, that point, and the box.
+    pub struct Stable<P: Lanes> {
+        form: Form<P>,
+        center: P::Vec3,
+        clip: Slabs<P>,
+    }
 }
 
 impl Kernel for Stable<f32> {
@@ -69,18 +70,7 @@ impl Kernel for Stable<f32> {
         Self { form: Form::about(shape, center), center, clip: shape.bounds().into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Stable {
-            form: Form::gather(primitives.map(|one| one.form)),
-            center: Vec3x8::from_lanes(primitives.map(|one| one.center)),
-            clip: Slabs::gather(primitives.map(|one| one.clip)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { form: packet.form.lane(lane), center: packet.center.lane(lane), clip: packet.clip.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for Stable<f32> {
@@ -93,10 +83,11 @@ impl Intersect<f32> for Stable<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
-        let span = Span::<f32>::of(&self.clip, ray.origin, &setup.slabs);
-        let form = &self.form;
-        let from_center = ray.origin - self.center;
-        let moved = span.clamp(from_center.dot(setup.back));
+        let Self { form, center, clip } = self;
+
+        let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
+        let from_center = ray.origin - center;
+        let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
         let g = form.half_gradient(p);
@@ -104,7 +95,7 @@ impl Intersect<f32> for Stable<f32> {
         let b = setup.dir.dot(g);
         let c = p.dot(g + form.linear) + form.constant;
         let [t0, t1] = roots(b * b - a * c, a, b, c);
-        span.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
+        interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
 }
 
@@ -118,10 +109,11 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
-        let span = Span::<f32x8>::of(&self.clip.widen(), ray.origin, &setup.slabs);
-        let form = self.form.widen();
-        let from_center = ray.origin - P::widen_vec3(self.center);
-        let moved = span.clamp(from_center.dot(setup.back));
+        let Stable { form, center, clip } = self.widen();
+
+        let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+        let from_center = ray.origin - center;
+        let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
         let g = form.half_gradient(p);
@@ -129,6 +121,6 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
         let b = setup.dir.dot(g);
         let c = p.dot(g + form.linear) + form.constant;
         let [t0, t1] = roots8(b * b - a * c, a, b, c);
-        span.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
+        interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
 }

@@ -22,20 +22,21 @@
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
-use super::{normal, within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{barycentrics_inside, barycentrics_inside8, normal};
+use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Baldwin–Weber test: the map from the world, row by row. `u(p) = u·p + u0`, and so on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaldwinWeber<P: Lanes> {
-    u: P::Vec3,
-    u0: P,
-    v: P::Vec3,
-    v0: P,
-    n: P::Vec3,
-    n0: P,
+prepared! {
+    /// Triangles for the Baldwin–Weber test: the map from the world, row by row. `u(p) = u·p + u0`, and so on.
+    pub struct BaldwinWeber<P: Lanes> {
+        u_row: P::Vec3,
+        u0: P,
+        v_row: P::Vec3,
+        v0: P,
+        n_row: P::Vec3,
+        n0: P,
+    }
 }
 
 impl Kernel for BaldwinWeber<f32> {
@@ -59,34 +60,11 @@ impl Kernel for BaldwinWeber<f32> {
         let (u, v) = (e2.cross(n) / squared, n.cross(e1) / squared);
         let n = n / n.abs().max_element();
         let row = |gradient: DVec3| (gradient.as_vec3(), -gradient.dot(v0) as f32);
-        let ((u, u0), (v, v0), (n, n0)) = (row(u), row(v), row(n));
-        Self { u, u0, v, v0, n, n0 }
+        let ((u_row, u0), (v_row, v0), (n_row, n0)) = (row(u), row(v), row(n));
+        Self { u_row, u0, v_row, v0, n_row, n0 }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        let vectors = |get: fn(&Self) -> Vec3| Vec3x8::from_lanes(primitives.each_ref().map(get));
-        let numbers = |get: fn(&Self) -> f32| f32x8::new(primitives.each_ref().map(get));
-        BaldwinWeber {
-            u: vectors(|primitive| primitive.u),
-            u0: numbers(|primitive| primitive.u0),
-            v: vectors(|primitive| primitive.v),
-            v0: numbers(|primitive| primitive.v0),
-            n: vectors(|primitive| primitive.n),
-            n0: numbers(|primitive| primitive.n0),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self {
-            u: packet.u.lane(lane),
-            u0: packet.u0.as_array()[lane],
-            v: packet.v.lane(lane),
-            v0: packet.v0.as_array()[lane],
-            n: packet.n.lane(lane),
-            n0: packet.n0.as_array()[lane],
-        }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for BaldwinWeber<f32> {
@@ -97,17 +75,19 @@ impl Intersect<f32> for BaldwinWeber<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+        let Self { u_row, u0, v_row, v0, n_row, n0 } = *self;
+
         // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
-        let t = -(self.n.dot(ray.origin) + self.n0) / self.n.dot(ray.dir);
+        let t = -(n_row.dot(ray.origin) + n0) / n_row.dot(ray.dir);
         let p = ray.origin + ray.dir * t;
-        let u = self.u.dot(p) + self.u0;
-        let v = self.v.dot(p) + self.v0;
+        let u = u_row.dot(p) + u0;
+        let v = v_row.dot(p) + v0;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -119,17 +99,16 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let (row_u, row_v, row_n) = (P::widen_vec3(self.u), P::widen_vec3(self.v), P::widen_vec3(self.n));
-        let (u0, v0, n0) = (self.u0.widen(), self.v0.widen(), self.n0.widen());
+        let BaldwinWeber { u_row, u0, v_row, v0, n_row, n0 } = self.widen();
 
         // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
-        let t = -(row_n.dot(ray.origin) + n0) / row_n.dot(ray.dir);
+        let t = -(n_row.dot(ray.origin) + n0) / n_row.dot(ray.dir);
         let p = ray.origin + ray.dir * t;
-        let u = row_u.dot(p) + u0;
-        let v = row_v.dot(p) + v0;
+        let u = u_row.dot(p) + u0;
+        let v = v_row.dot(p) + v0;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        let inside = barycentrics_inside8(u, v);
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -20,15 +20,18 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Vertices, within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{Vertices, barycentrics_inside, barycentrics_inside8};
+use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for Cramer's rule: the vertices as they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cramer<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for Cramer's rule: the vertices as they are.
+    pub struct Cramer<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for Cramer<f32> {
     type Shape = Triangle;
@@ -43,21 +46,14 @@ impl Kernel for Cramer<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(shape.into())
+        Self { vertices: shape.into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Cramer(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -81,7 +77,7 @@ impl Intersect<f32> for Cramer<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let Vertices { v0, v1, v2 } = self.0;
+        let Self { vertices: Vertices { v0, v1, v2 } } = *self;
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
@@ -90,11 +86,11 @@ impl Intersect<f32> for Cramer<f32> {
         let v = determinant(a, s, ray.dir) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = determinant(a, b, s) / det;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -106,7 +102,7 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let Vertices { v0, v1, v2 } = self.0.widen();
+        let Cramer { vertices: Vertices { v0, v1, v2 } } = self.widen();
 
         // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
@@ -115,8 +111,8 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
         let v = determinant8(a, s, ray.dir) / det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
+        let inside = barycentrics_inside8(u, v);
         let t = determinant8(a, b, s) / det;
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -21,20 +21,21 @@
 
 use wide::f32x8;
 
-use super::{normal, within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{barycentrics_inside, barycentrics_inside8, normal};
+use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Kensler–Shirley test: a vertex, the edges into and out of it, and the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KenslerShirley<P: Lanes> {
-    v0: P::Vec3,
-    /// `v0 - v1`.
-    e1: P::Vec3,
-    /// `v2 - v0`.
-    e2: P::Vec3,
-    n: P::Vec3,
+prepared! {
+    /// Triangles for the Kensler–Shirley test: a vertex, the edges into and out of it, and the normal.
+    pub struct KenslerShirley<P: Lanes> {
+        v0: P::Vec3,
+        /// `v0 - v1`.
+        e1: P::Vec3,
+        /// `v2 - v0`.
+        e2: P::Vec3,
+        n: P::Vec3,
+    }
 }
 
 impl Kernel for KenslerShirley<f32> {
@@ -53,19 +54,7 @@ impl Kernel for KenslerShirley<f32> {
         Self { v0: shape.v0, e1: shape.v0 - shape.v1, e2: shape.v2 - shape.v0, n: normal(shape).as_vec3() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        KenslerShirley {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            e1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e1)),
-            e2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e2)),
-            n: Vec3x8::from_lanes(primitives.map(|primitive| primitive.n)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { v0: packet.v0.lane(lane), e1: packet.e1.lane(lane), e2: packet.e2.lane(lane), n: packet.n.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for KenslerShirley<f32> {
@@ -87,11 +76,11 @@ impl Intersect<f32> for KenslerShirley<f32> {
         let v = r.dot(e1) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = n.dot(c) * inv_det;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -103,8 +92,7 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let (v0, n) = (P::widen_vec3(self.v0), P::widen_vec3(self.n));
-        let (e1, e2) = (P::widen_vec3(self.e1), P::widen_vec3(self.e2));
+        let KenslerShirley { v0, e1, e2, n } = self.widen();
 
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);
@@ -115,8 +103,8 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
         let v = r.dot(e1) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
+        let inside = barycentrics_inside8(u, v);
         let t = n.dot(c) * inv_det;
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -33,18 +33,19 @@ use glam::{DVec3, Vec3};
 use wide::f32x8;
 
 use crate::geom::Triangle;
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, le8, max, max8, min, min8};
+use crate::geom::lanes::{Lanes, Mask8, ge8, le8, max, max8, min, min8};
 use crate::kernels::aabb::Slabs;
 
-/// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertices<P: Lanes> {
-    /// Vertices with `u = v = 0`.
-    pub v0: P::Vec3,
-    /// Vertices with `u = 1`.
-    pub v1: P::Vec3,
-    /// Vertices with `v = 1`.
-    pub v2: P::Vec3,
+prepared! {
+    /// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
+    pub struct Vertices<P: Lanes> {
+        /// Vertices with `u = v = 0`.
+        pub v0: P::Vec3,
+        /// Vertices with `u = 1`.
+        pub v1: P::Vec3,
+        /// Vertices with `v = 1`.
+        pub v2: P::Vec3,
+    }
 }
 
 impl From<&Triangle> for Vertices<f32> {
@@ -54,31 +55,11 @@ impl From<&Triangle> for Vertices<f32> {
 }
 
 impl Vertices<f32x8> {
-    fn gather(triangles: [Vertices<f32>; 8]) -> Self {
-        Self {
-            v0: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v0)),
-            v1: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v1)),
-            v2: Vec3x8::from_lanes(triangles.map(|triangle| triangle.v2)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> Vertices<f32> {
-        Vertices { v0: self.v0.lane(lane), v1: self.v1.lane(lane), v2: self.v2.lane(lane) }
-    }
-
     /// The triangles' boxes.
     #[inline(always)]
     fn bounds(&self) -> Slabs<f32x8> {
         let Self { v0, v1, v2 } = self;
         Slabs { lo: v0.min(v1).min(v2), hi: v0.max(v1).max(v2) }
-    }
-}
-
-impl<P: Lanes> Vertices<P> {
-    #[inline(always)]
-    fn widen(&self) -> Vertices<f32x8> {
-        Vertices { v0: P::widen_vec3(self.v0), v1: P::widen_vec3(self.v1), v2: P::widen_vec3(self.v2) }
     }
 }
 
@@ -92,27 +73,27 @@ fn normal(shape: &Triangle) -> DVec3 {
 /// Whether `u >= 0`, `v >= 0` and `u + v <= 1`; not with a NaN, which the last minimum hands on. One comparison makes one
 /// branch: of three, rustc 1.95 makes three, each of which is as often taken as not, and kernels took 2.0 to 2.5 times as long.
 #[inline(always)]
-fn within(u: f32, v: f32) -> bool {
+fn barycentrics_inside(u: f32, v: f32) -> bool {
     min(min(u, v), 1.0 - (u + v)) >= 0.0
 }
 
-/// [`within`] in eight lanes, where nothing branches and the shorter way is the faster.
+/// [`barycentrics_inside`] in eight lanes, where nothing branches and the shorter way is the faster.
 #[inline(always)]
-fn within8(u: f32x8, v: f32x8) -> Mask8 {
+fn barycentrics_inside8(u: f32x8, v: f32x8) -> Mask8 {
     ge8(min8(u, v), f32x8::ZERO) & le8(u + v, f32x8::ONE)
 }
 
 /// How clearly all three weights have one sign: positive where they do, zero where one or more of them are zero and the rest
 /// agree, negative where two differ. A NaN among them may go unnoticed: what is computed with them is NaN as well.
 #[inline(always)]
-fn agreement([u, v, w]: [f32; 3]) -> f32 {
+fn sign_agreement([u, v, w]: [f32; 3]) -> f32 {
     let (least, greatest) = (min(min(u, v), w), max(max(u, v), w));
     max(least, -greatest)
 }
 
-/// [`agreement`] in eight lanes.
+/// [`sign_agreement`] in eight lanes.
 #[inline(always)]
-fn agreement8([u, v, w]: [f32x8; 3]) -> f32x8 {
+fn sign_agreement8([u, v, w]: [f32x8; 3]) -> f32x8 {
     let (least, greatest) = (min8(min8(u, v), w), max8(max8(u, v), w));
     max8(least, -greatest)
 }
@@ -142,12 +123,12 @@ mod tests {
     ];
 
     #[test]
-    fn within_is_its_three_comparisons() {
+    fn barycentrics_inside_equals_its_three_comparisons() {
         for u in SHARP {
             for v in SHARP {
                 let expected = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-                assert_eq!(within(u, v), expected, "{u:?}, {v:?}");
-                let eight = within8(f32x8::splat(u), f32x8::splat(v)).bits();
+                assert_eq!(barycentrics_inside(u, v), expected, "{u:?}, {v:?}");
+                let eight = barycentrics_inside8(f32x8::splat(u), f32x8::splat(v)).bits();
                 assert_eq!(eight, if expected { 0xff } else { 0 }, "eight times {u:?}, {v:?}");
             }
         }
@@ -162,10 +143,10 @@ mod tests {
                     let weights = [u, v, w];
                     let agree =
                         weights.iter().all(|&weight| weight >= 0.0) | weights.iter().all(|&weight| weight <= 0.0);
-                    let found = agreement(weights);
+                    let found = sign_agreement(weights);
                     assert_eq!(found >= 0.0, agree, "{weights:?}");
                     assert_eq!(found == 0.0, agree & weights.contains(&0.0), "{weights:?}");
-                    for lane in agreement8(weights.map(f32x8::splat)).to_array() {
+                    for lane in sign_agreement8(weights.map(f32x8::splat)).to_array() {
                         assert_eq!(lane.to_bits(), found.to_bits(), "eight times {weights:?}");
                     }
                 }

@@ -19,17 +19,18 @@
 
 use wide::f32x8;
 
-use super::{within, within8};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8};
+use super::{barycentrics_inside, barycentrics_inside8};
+use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Möller–Trumbore test: a vertex and the two edges that leave it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MollerTrumbore<P: Lanes> {
-    v0: P::Vec3,
-    e1: P::Vec3,
-    e2: P::Vec3,
+prepared! {
+    /// Triangles for the Möller–Trumbore test: a vertex and the two edges that leave it.
+    pub struct MollerTrumbore<P: Lanes> {
+        v0: P::Vec3,
+        e1: P::Vec3,
+        e2: P::Vec3,
+    }
 }
 
 impl Kernel for MollerTrumbore<f32> {
@@ -48,18 +49,7 @@ impl Kernel for MollerTrumbore<f32> {
         Self { v0: shape.v0, e1: shape.v1 - shape.v0, e2: shape.v2 - shape.v0 }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        MollerTrumbore {
-            v0: Vec3x8::from_lanes(primitives.map(|primitive| primitive.v0)),
-            e1: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e1)),
-            e2: Vec3x8::from_lanes(primitives.map(|primitive| primitive.e2)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { v0: packet.v0.lane(lane), e1: packet.e1.lane(lane), e2: packet.e2.lane(lane) }
-    }
+    prepared!(gather, lane);
 }
 
 impl Intersect<f32> for MollerTrumbore<f32> {
@@ -82,11 +72,11 @@ impl Intersect<f32> for MollerTrumbore<f32> {
         let v = ray.dir.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = e2.dot(q) * inv_det;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -98,7 +88,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let (v0, e1, e2) = (P::widen_vec3(self.v0), P::widen_vec3(self.e1), P::widen_vec3(self.e2));
+        let MollerTrumbore { v0, e1, e2 } = self.widen();
 
         let p = ray.dir.cross(e2);
         let det = e1.dot(p);
@@ -110,8 +100,8 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
         let v = ray.dir.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        let inside = within8(u, v);
+        let inside = barycentrics_inside8(u, v);
         let t = e2.dot(q) * inv_det;
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

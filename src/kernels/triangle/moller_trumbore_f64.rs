@@ -21,14 +21,17 @@
 use wide::{f32x8, f64x8};
 
 use super::Vertices;
-use crate::geom::lanes::{DVec3x8, Lanes, accepts, accepts8, dot_f64x8, double8, ge64, le64, to_f32x8};
+use crate::geom::lanes::{DVec3x8, Lanes, dot_f64x8, double8, ge64, le64, t_in_range, t_in_range8, to_f32x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Möller–Trumbore test in `f64`: the vertices as they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MollerTrumboreF64<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the Möller–Trumbore test in `f64`: the vertices as they are.
+    pub struct MollerTrumboreF64<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for MollerTrumboreF64<f32> {
     type Shape = Triangle;
@@ -51,21 +54,14 @@ impl Kernel for MollerTrumboreF64<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(shape.into())
+        Self { vertices: shape.into() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        MollerTrumboreF64(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -75,9 +71,9 @@ fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// [`within`](super::within) in `f64`. Eight lanes make its three comparisons, as nothing branches there.
+/// [`barycentrics_inside`](super::barycentrics_inside) in `f64`. Eight lanes make its three comparisons, as nothing branches there.
 #[inline(always)]
-fn within(u: f64, v: f64) -> bool {
+fn barycentrics_inside(u: f64, v: f64) -> bool {
     min(min(u, v), 1.0 - (u + v)) >= 0.0
 }
 
@@ -99,7 +95,7 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let Vertices { v0, v1, v2 } = self.0;
+        let Self { vertices: Vertices { v0, v1, v2 } } = *self;
         let (v0, v1, v2) = (v0.as_dvec3(), v1.as_dvec3(), v2.as_dvec3());
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
 
@@ -113,11 +109,11 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
         let v = dir.dot(q) * inv_det;
 
         // Each test is true for a hit, so a NaN is always a miss.
-        if !within(u, v) {
+        if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
         let t = (e2.dot(q) * inv_det) as f32;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
     }
 }
 
@@ -129,7 +125,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let Vertices { v0, v1, v2 } = self.0.widen();
+        let MollerTrumboreF64 { vertices: Vertices { v0, v1, v2 } } = self.widen();
         let (v0, v1, v2) = (double8(v0), double8(v1), double8(v2));
         let (origin, dir) = (double8(ray.origin), double8(ray.dir));
         let (zero, one) = (f64x8::splat(0.0), f64x8::splat(1.0));
@@ -146,6 +142,6 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
         // Each test is true for a hit, so a NaN is always a miss.
         let inside = (ge64(u, zero) & ge64(v, zero) & le64(u + v, one)).narrow();
         let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
     }
 }

@@ -24,17 +24,18 @@
 
 use wide::f32x8;
 
-use super::{Vertices, agreement, agreement8, normal};
-use crate::geom::lanes::{Lanes, Vec3x8, accepts, accepts8, ge8, lt8};
+use super::{Vertices, normal, sign_agreement, sign_agreement8};
+use crate::geom::lanes::{Lanes, ge8, lt8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the Plücker test: the vertices and the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pluecker<P: Lanes> {
-    vertices: Vertices<P>,
-    n: P::Vec3,
+prepared! {
+    /// Triangles for the Plücker test: the vertices and the normal.
+    pub struct Pluecker<P: Lanes> {
+        vertices: Vertices<P>,
+        n: P::Vec3,
+    }
 }
 
 impl Kernel for Pluecker<f32> {
@@ -53,17 +54,7 @@ impl Kernel for Pluecker<f32> {
         Self { vertices: shape.into(), n: normal(shape).as_vec3() }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Pluecker {
-            vertices: Vertices::gather(primitives.map(|primitive| primitive.vertices)),
-            n: Vec3x8::from_lanes(primitives.map(|primitive| primitive.n)),
-        }
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self { vertices: packet.vertices.lane(lane), n: packet.n.lane(lane) }
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
@@ -79,7 +70,8 @@ impl Intersect<f32> for Pluecker<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        let Vertices { v0, v1, v2 } = self.vertices;
+        let Self { vertices: Vertices { v0, v1, v2 }, n } = *self;
+
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
         // The weights of v1, v2 and v0, up to a common factor.
@@ -87,16 +79,16 @@ impl Intersect<f32> for Pluecker<f32> {
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
-        let inside = agreement([u, v, w]) >= 0.0;
+        let inside = sign_agreement([u, v, w]) >= 0.0;
         if !inside {
             return Hit::MISS;
         }
         let inv_sum = 1.0 / (u + v + w);
-        let t = self.n.dot(a) / self.n.dot(ray.dir);
+        let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = (u + v).abs() < f32::INFINITY;
-        Hit::<f32>::new(numbers & accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(numbers & t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -108,8 +100,8 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        let n = P::widen_vec3(self.n);
-        let Vertices { v0, v1, v2 } = self.vertices.widen();
+        let Pluecker { vertices: Vertices { v0, v1, v2 }, n } = self.widen();
+
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
         // The weights of v1, v2 and v0, up to a common factor.
@@ -117,12 +109,12 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
-        let inside = ge8(agreement8([u, v, w]), f32x8::ZERO);
+        let inside = ge8(sign_agreement8([u, v, w]), f32x8::ZERO);
         let inv_sum = f32x8::ONE / (u + v + w);
         let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
         // Not where all three are zero, nor where they overflow or are NaN.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
-        Hit::<f32x8>::candidate(inside & numbers & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & numbers & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

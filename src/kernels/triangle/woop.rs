@@ -37,15 +37,18 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Vertices, agreement, agreement8, normal};
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, accepts, accepts8, eq8, ge8, to_f32x8, to_f64x8};
+use super::{Vertices, normal, sign_agreement, sign_agreement8};
+use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, ge8, t_in_range, t_in_range8, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the watertight test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Woop<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the watertight test.
+    pub struct Woop<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for Woop<f32> {
     type Shape = Triangle;
@@ -60,21 +63,14 @@ impl Kernel for Woop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(prepare(shape))
+        Self { vertices: prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        Woop(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -88,12 +84,14 @@ impl Intersect<f32> for Woop<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let sheared = Sheared::of(&self.0, ray, setup);
+        let Self { vertices } = self;
+
+        let sheared = Sheared::of(vertices, ray, setup);
         let mut weights = sheared.weights();
-        let mut signs = agreement(weights);
+        let mut signs = sign_agreement(weights);
         if signs == 0.0 {
             weights = sheared.exact_weights(weights);
-            signs = agreement(weights);
+            signs = sign_agreement(weights);
         }
         sheared.hit(signs >= 0.0, weights, ray, setup)
     }
@@ -109,12 +107,14 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let sheared = Sheared8::of(&self.0, ray, setup);
+        let Woop { vertices } = self.widen();
+
+        let sheared = Sheared8::of(&vertices, ray, setup);
         let mut weights = sheared.weights();
-        let mut signs = agreement8(weights);
+        let mut signs = sign_agreement8(weights);
         if eq8(signs, f32x8::ZERO).any() {
             weights = sheared.exact_weights(weights);
-            signs = agreement8(weights);
+            signs = sign_agreement8(weights);
         }
         sheared.hit(ge8(signs, f32x8::ZERO), weights, ray, setup)
     }
@@ -155,7 +155,7 @@ pub struct Shear8 {
 
 /// The axes after `axis`, in cyclic order, then `axis` itself.
 #[inline(always)]
-fn turn(v: Vec3, axis: usize) -> Vec3 {
+fn cycle_axes(v: Vec3, axis: usize) -> Vec3 {
     match axis {
         0 => Vec3::new(v.y, v.z, v.x),
         1 => Vec3::new(v.z, v.x, v.y),
@@ -163,9 +163,9 @@ fn turn(v: Vec3, axis: usize) -> Vec3 {
     }
 }
 
-/// [`turn`] where all lanes have one axis.
+/// [`cycle_axes`] where all lanes have one axis.
 #[inline(always)]
-fn turn8(v: Vec3x8, axis: usize) -> Vec3x8 {
+fn cycle_axes8(v: Vec3x8, axis: usize) -> Vec3x8 {
     match axis {
         0 => Vec3x8 { x: v.y, y: v.z, z: v.x },
         1 => Vec3x8 { x: v.z, y: v.x, z: v.y },
@@ -190,7 +190,7 @@ impl Shear {
         } else {
             2
         };
-        let d = turn(ray.dir, axis);
+        let d = cycle_axes(ray.dir, axis);
         let z = if ray.is_valid() { 1.0 / d.z } else { f32::NAN };
         Self { axis, x: d.x / d.z, y: d.y / d.z, z }
     }
@@ -216,29 +216,29 @@ impl Shear8 {
             (0, 0) => 2,
             _ => Self::MIXED,
         };
-        let d = Self::turn_mixed(ray.dir, along_x, along_y);
+        let d = Self::cycle_mixed_axes(ray.dir, along_x, along_y);
         let z = ray.is_valid().select(f32x8::ONE / d.z, f32x8::splat(f32::NAN));
         Self { along_x, along_y, axis, x: d.x / d.z, y: d.y / d.z, z }
     }
 
     #[inline(always)]
-    fn turn_mixed(v: Vec3x8, along_x: Mask8, along_y: Mask8) -> Vec3x8 {
+    fn cycle_mixed_axes(v: Vec3x8, along_x: Mask8, along_y: Mask8) -> Vec3x8 {
         let pick = |if_x, if_y, if_z| along_x.select(if_x, along_y.select(if_y, if_z));
         Vec3x8 { x: pick(v.y, v.z, v.x), y: pick(v.z, v.x, v.y), z: pick(v.x, v.y, v.z) }
     }
 
-    /// [`turn`] in eight lanes, each about its own axis.
+    /// [`cycle_axes`] in eight lanes, each about its own axis.
     #[inline(always)]
-    fn turn(&self, [a, b, c]: [Vec3x8; 3]) -> [Vec3x8; 3] {
+    fn cycle_axes(&self, [a, b, c]: [Vec3x8; 3]) -> [Vec3x8; 3] {
         let (along_x, along_y) = (self.along_x, self.along_y);
         match self.axis {
-            0 => [turn8(a, 0), turn8(b, 0), turn8(c, 0)],
-            1 => [turn8(a, 1), turn8(b, 1), turn8(c, 1)],
+            0 => [cycle_axes8(a, 0), cycle_axes8(b, 0), cycle_axes8(c, 0)],
+            1 => [cycle_axes8(a, 1), cycle_axes8(b, 1), cycle_axes8(c, 1)],
             2 => [a, b, c],
             _ => [
-                Self::turn_mixed(a, along_x, along_y),
-                Self::turn_mixed(b, along_x, along_y),
-                Self::turn_mixed(c, along_x, along_y),
+                Self::cycle_mixed_axes(a, along_x, along_y),
+                Self::cycle_mixed_axes(b, along_x, along_y),
+                Self::cycle_mixed_axes(c, along_x, along_y),
             ],
         }
     }
@@ -280,7 +280,7 @@ impl Sheared {
     #[inline(always)]
     pub(super) fn of(vertices: &Vertices<f32>, ray: &Ray<f32>, setup: &Shear) -> Self {
         let (a, b, c) = (vertices.v0 - ray.origin, vertices.v1 - ray.origin, vertices.v2 - ray.origin);
-        let [a, b, c] = [turn(a, setup.axis), turn(b, setup.axis), turn(c, setup.axis)];
+        let [a, b, c] = [cycle_axes(a, setup.axis), cycle_axes(b, setup.axis), cycle_axes(c, setup.axis)];
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }
 
@@ -320,15 +320,15 @@ impl Sheared {
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
         // A NaN in any of the three arrives here, and is a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
-        Hit::<f32>::new(accepts(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
 impl Sheared8 {
     #[inline(always)]
-    pub(super) fn of<P: Lanes>(vertices: &Vertices<P>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
-        let Vertices { v0, v1, v2 } = vertices.widen();
-        let [a, b, c] = setup.turn([v0 - ray.origin, v1 - ray.origin, v2 - ray.origin]);
+    pub(super) fn of(vertices: &Vertices<f32x8>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
+        let Vertices { v0, v1, v2 } = *vertices;
+        let [a, b, c] = setup.cycle_axes([v0 - ray.origin, v1 - ray.origin, v2 - ray.origin]);
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }
 
@@ -365,6 +365,6 @@ impl Sheared8 {
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
         // A NaN in any of the three arrives here, and is a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
-        Hit::<f32x8>::candidate(inside & accepts8(ray.t_min, t, ray.t_max), t, u, v)
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -22,15 +22,18 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
-use super::{Vertices, agreement, agreement8};
+use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Vec3x8, ge8, mul_add, mul_add8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the watertight test by differences of products.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WoopDop<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the watertight test by differences of products.
+    pub struct WoopDop<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for WoopDop<f32> {
     type Shape = Triangle;
@@ -45,21 +48,14 @@ impl Kernel for WoopDop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(prepare(shape))
+        Self { vertices: prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        WoopDop(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
@@ -89,10 +85,12 @@ impl Intersect<f32> for WoopDop<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let sheared = Sheared::of(&self.0, ray, setup);
+        let Self { vertices } = self;
+
+        let sheared = Sheared::of(vertices, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
-        sheared.hit(agreement(weights) >= 0.0, weights, ray, setup)
+        sheared.hit(sign_agreement(weights) >= 0.0, weights, ray, setup)
     }
 }
 
@@ -106,9 +104,11 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let sheared = Sheared8::of(&self.0, ray, setup);
+        let WoopDop { vertices } = self.widen();
+
+        let sheared = Sheared8::of(&vertices, ray, setup);
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
-        sheared.hit(ge8(agreement8(weights), f32x8::ZERO), weights, ray, setup)
+        sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, ray, setup)
     }
 }

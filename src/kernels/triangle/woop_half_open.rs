@@ -28,15 +28,18 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
-use super::{Vertices, agreement, agreement8};
+use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-/// Triangles for the half-open watertight test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WoopHalfOpen<P: Lanes>(Vertices<P>);
+prepared! {
+    /// Triangles for the half-open watertight test.
+    pub struct WoopHalfOpen<P: Lanes> {
+        vertices: Vertices<P>,
+    }
+}
 
 impl Kernel for WoopHalfOpen<f32> {
     type Shape = Triangle;
@@ -51,67 +54,60 @@ impl Kernel for WoopHalfOpen<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self(prepare(shape))
+        Self { vertices: prepare(shape) }
     }
 
-    fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        WoopHalfOpen(Vertices::gather(primitives.map(|primitive| primitive.0)))
-    }
-
-    #[inline(always)]
-    fn lane(packet: &Self::Packet, lane: usize) -> Self {
-        Self(packet.0.lane(lane))
-    }
+    prepared!(gather, lane);
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.0.bounds())
+        Some(packet.vertices.bounds())
     }
 }
 
 /// Whether the edge from `p` to `q`, which contains the ray, has it on its positive side once it is moved by (ε, ε²).
 #[inline(always)]
-fn tie(p: Vec3, q: Vec3) -> bool {
+fn tie_is_positive(p: Vec3, q: Vec3) -> bool {
     (q.y < p.y) | ((q.y == p.y) & (q.x > p.x))
 }
 
-/// [`tie`] in eight lanes.
+/// [`tie_is_positive`] in eight lanes.
 #[inline(always)]
-fn tie8(p: Vec3x8, q: Vec3x8) -> Mask8 {
+fn tie_is_positive8(p: Vec3x8, q: Vec3x8) -> Mask8 {
     lt8(q.y, p.y) | (eq8(q.y, p.y) & gt8(q.x, p.x))
 }
 
 /// Whether the moved ray is inside, and the weights, exact as to their signs.
 #[cold]
 #[inline(never)]
-fn moved_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
+fn perturbed_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
     let weights = sheared.exact_weights(weights);
     let edges = sheared.edges();
     let positive = [0, 1, 2].map(|edge| {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
-        (weight > 0.0) | ((weight == 0.0) & tie(p, q))
+        (weight > 0.0) | ((weight == 0.0) & tie_is_positive(p, q))
     });
     let negative = [0, 1, 2].map(|edge| {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
-        (weight < 0.0) | ((weight == 0.0) & tie(q, p))
+        (weight < 0.0) | ((weight == 0.0) & tie_is_positive(q, p))
     });
     ((positive[0] & positive[1] & positive[2]) | (negative[0] & negative[1] & negative[2]), weights)
 }
 
-/// [`moved_inside`] in eight lanes.
+/// [`perturbed_inside`] in eight lanes.
 #[cold]
 #[inline(never)]
-fn moved_inside8(sheared: Sheared8, weights: [f32x8; 3]) -> (Mask8, [f32x8; 3]) {
+fn perturbed_inside8(sheared: Sheared8, weights: [f32x8; 3]) -> (Mask8, [f32x8; 3]) {
     let weights = sheared.exact_weights(weights);
     let edges = sheared.edges();
     let zero = f32x8::ZERO;
     let positive = [0, 1, 2].map(|edge| {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
-        gt8(weight, zero) | (eq8(weight, zero) & tie8(p, q))
+        gt8(weight, zero) | (eq8(weight, zero) & tie_is_positive8(p, q))
     });
     let negative = [0, 1, 2].map(|edge| {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
-        lt8(weight, zero) | (eq8(weight, zero) & tie8(q, p))
+        lt8(weight, zero) | (eq8(weight, zero) & tie_is_positive8(q, p))
     });
     ((positive[0] & positive[1] & positive[2]) | (negative[0] & negative[1] & negative[2]), weights)
 }
@@ -126,12 +122,14 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let sheared = Sheared::of(&self.0, ray, setup);
+        let Self { vertices } = self;
+
+        let sheared = Sheared::of(vertices, ray, setup);
         let mut weights = sheared.weights();
-        let signs = agreement(weights);
+        let signs = sign_agreement(weights);
         let mut inside = signs > 0.0;
         if signs == 0.0 {
-            (inside, weights) = moved_inside(sheared, weights);
+            (inside, weights) = perturbed_inside(sheared, weights);
         }
         sheared.hit(inside, weights, ray, setup)
     }
@@ -147,12 +145,14 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let sheared = Sheared8::of(&self.0, ray, setup);
+        let WoopHalfOpen { vertices } = self.widen();
+
+        let sheared = Sheared8::of(&vertices, ray, setup);
         let mut weights = sheared.weights();
-        let signs = agreement8(weights);
+        let signs = sign_agreement8(weights);
         let mut inside = gt8(signs, f32x8::ZERO);
         if eq8(signs, f32x8::ZERO).any() {
-            (inside, weights) = moved_inside8(sheared, weights);
+            (inside, weights) = perturbed_inside8(sheared, weights);
         }
         sheared.hit(inside, weights, ray, setup)
     }
