@@ -60,19 +60,19 @@ impl Progress {
     }
 
     /// Sets the share that is done, of this part or else of the whole.
-    pub(super) fn reach(&self, share: f64) {
+    pub(crate) fn reach(&self, share: f64) {
         let Range { start, end } = self.part;
         self.bar.set_position(((start + (end - start) * share) * Self::STEPS as f64).round() as u64);
     }
 
     /// The same line, of which only what lies between these shares is to be filled.
-    pub(super) fn part(&self, shares: Range<f64>) -> Self {
+    pub(crate) fn part(&self, shares: Range<f64>) -> Self {
         let place = |share: f64| self.part.start + (self.part.end - self.part.start) * share;
         Self { bar: self.bar.clone(), part: place(shares.start)..place(shares.end) }
     }
 
     /// One part after the other, as long in relation to each other as these numbers.
-    pub(super) fn parts(&self, lengths: &[f64]) -> Vec<Self> {
+    pub(crate) fn parts(&self, lengths: &[f64]) -> Vec<Self> {
         let sum: f64 = lengths.iter().sum();
         let part = |end: &mut f64, length: &f64| {
             let start = *end;
@@ -83,7 +83,7 @@ impl Progress {
     }
 
     /// Items with equal parts.
-    pub(super) fn each<'a, T>(&self, items: &'a [T]) -> impl Iterator<Item = (&'a T, Self)> {
+    pub(crate) fn each<'a, T>(&self, items: &'a [T]) -> impl Iterator<Item = (&'a T, Self)> {
         items.iter().zip(self.parts(&vec![1.0; items.len()]))
     }
 

@@ -17,7 +17,7 @@ use parry3d::partitioning::{Bvh as ParryBvh, BvhBuildStrategy};
 use parry3d::query::details::local_ray_intersection_with_triangle;
 use parry3d::shape::Triangle as ParryTriangle;
 
-use super::{Contender, Tracer, in_chunks};
+use super::contender::{Contender, Tracer, in_chunks};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::triangle::MollerTrumbore;
 use crate::kernels::{Intersect, Kernel};

@@ -1,0 +1,277 @@
+//! How a regime breaks kernels: what is measured at each of its steps, and from which step on a kernel fails.
+
+use super::format::{count, number, severity};
+use super::kernel::Figures;
+use super::rate::{Rate, doubles, leaks, lost_by_boxes, ulp_p99, wrong};
+use crate::study::record::{AccuracyRow, RegimeRow};
+
+/// A kernel fails at a step where more than this is wrong, per million: 0.1 %.
+pub(crate) const FAILING_RATE: f64 = 1000.0;
+/// A kernel fails at a step where the 99th percentile of the error of `t` is above this.
+pub(crate) const FAILING_ULP: u64 = 100;
+
+/// A figure that a regime is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Measure {
+    /// Strict hits reported as misses, and misses reported as hits.
+    Wrong,
+    /// Hits of a box, boundary included, reported as misses.
+    Lost,
+    /// Misses reported as hits.
+    FalseHit,
+    /// Rays that a mesh loses.
+    Leak,
+    /// Rays that hit a mesh twice.
+    Double,
+    /// The error of `t`.
+    Ulp,
+}
+
+/// A measure's figure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Figure {
+    /// Per million.
+    Rate(Rate),
+    /// 99th percentile of the error of `t`.
+    Ulp(u64),
+}
+
+impl Measure {
+    /// Those of a regime. In a mesh a neighbour may catch what one triangle loses, so leaks and doubles count. A box
+    /// that is hit falsely costs time, one that is lost costs a part of the picture: these are told apart.
+    pub(crate) fn of(regime: &RegimeRow) -> &'static [Self] {
+        if regime.mesh {
+            &[Self::Leak, Self::Double, Self::Ulp]
+        } else if regime.family == "aabb" {
+            &[Self::Lost, Self::FalseHit, Self::Ulp]
+        } else {
+            &[Self::Wrong, Self::Ulp]
+        }
+    }
+
+    /// What it is, and of what.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Wrong => "wrong answers: false misses and false hits, per million tests (boundaries apart)",
+            Self::Lost => "lost: false misses, and boundary hits reported as none, per million that exactly hit",
+            Self::FalseHit => "false hits per million exact misses (harmless where a box only guards what is inside)",
+            Self::Leak => "leaks per million rays that exactly hit the mesh, edges included",
+            Self::Double => "double hits per million rays that exactly hit one triangle strictly inside",
+            Self::Ulp => "99th percentile of the error of t, in units in the last place (ulp)",
+        }
+    }
+
+    /// One or two words.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Wrong => "wrong",
+            Self::Lost => "lost",
+            Self::FalseHit => "false hits",
+            Self::Leak => "leaks",
+            Self::Double => "doubles",
+            Self::Ulp => "p99",
+        }
+    }
+
+    /// The figure above which a kernel fails. A false hit of a box is no failure: it costs a look inside.
+    pub(crate) fn limit(self) -> Option<f64> {
+        match self {
+            Self::FalseHit => None,
+            Self::Ulp => Some(FAILING_ULP as f64),
+            Self::Wrong | Self::Lost | Self::Leak | Self::Double => Some(FAILING_RATE),
+        }
+    }
+
+    fn fails(self, figure: Figure) -> bool {
+        let value = match figure {
+            Figure::Rate(rate) => rate.per_million,
+            Figure::Ulp(ulp) => ulp as f64,
+        };
+        self.limit().is_some_and(|limit| value > limit)
+    }
+
+    /// `None` where there was nothing that could go wrong.
+    pub(crate) fn figure(self, row: &AccuracyRow) -> Option<Figure> {
+        match self {
+            Self::Wrong => wrong(row).map(Figure::Rate),
+            Self::Lost => lost_by_boxes(row).map(Figure::Rate),
+            Self::FalseHit => Rate::new(row.false_hit_per_million, row.exact_misses).map(Figure::Rate),
+            Self::Leak => leaks(row).map(Figure::Rate),
+            Self::Double => doubles(row).map(Figure::Rate),
+            Self::Ulp => ulp_p99(row).map(Figure::Ulp),
+        }
+    }
+}
+
+impl Figure {
+    fn in_words(self) -> String {
+        match self {
+            Self::Rate(rate) => format!("{} %", number(rate.per_million / 1e4, 2)),
+            Self::Ulp(ulp) => format!("{} ulp", number(ulp as f64, 3)),
+        }
+    }
+}
+
+impl std::fmt::Display for Figure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Rate(rate) => rate.fmt(f),
+            Self::Ulp(ulp) => f.write_str(&count(*ulp)),
+        }
+    }
+}
+
+/// Where a kernel fails in a regime.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// Nowhere.
+    Holds {
+        /// What was wrong nevertheless, too seldom to fail: `leaks up to 0.05 %`. Empty if nothing was.
+        but: String,
+    },
+    /// At some steps.
+    Fails {
+        /// Index of the first of them.
+        first: usize,
+        /// At which, in words: `from 1e-4`.
+        at: String,
+        /// By how much at the first: `lost 2.3 %, p99 1,234 ulp`.
+        how: String,
+    },
+}
+
+/// `None` if the kernel was not measured in the regime.
+pub(crate) fn verdict(kernel: &Figures, regime: &RegimeRow) -> Option<Verdict> {
+    let rows: Vec<_> = regime.steps.iter().map(|&step| kernel.at_step(&regime.name, step)).collect();
+    if rows.iter().all(Option::is_none) {
+        return None;
+    }
+    let failing = |row: &AccuracyRow| -> Vec<String> {
+        let figures = Measure::of(regime).iter().filter_map(|measure| Some((measure, measure.figure(row)?)));
+        let failing = figures.filter(|(measure, figure)| measure.fails(*figure));
+        failing.map(|(measure, figure)| format!("{} {}", measure.name(), figure.in_words())).collect()
+    };
+    let failures: Vec<_> = rows.into_iter().map(|row| row.map_or(Vec::new(), failing)).collect();
+    let Some(first) = failures.iter().position(|failures| !failures.is_empty()) else {
+        return Some(Verdict::Holds { but: blemishes(kernel, regime) });
+    };
+    let fails: Vec<bool> = failures.iter().map(|failures| !failures.is_empty()).collect();
+    Some(Verdict::Fails { first, at: spans(&fails, &regime.steps), how: failures[first].join(", ") })
+}
+
+/// The greatest of each kind of rate over all steps, in words, where there is any.
+fn blemishes(kernel: &Figures, regime: &RegimeRow) -> String {
+    let worst = |measure: &Measure| {
+        let figures =
+            regime.steps.iter().filter_map(|&step| match measure.figure(kernel.at_step(&regime.name, step)?)? {
+                Figure::Rate(rate) if rate.per_million > 0.0 => Some(rate),
+                _ => None,
+            });
+        let worst = figures.max_by(|a, b| a.per_million.total_cmp(&b.per_million))?;
+        Some(format!("{} up to {}", measure.name(), Figure::Rate(worst).in_words()))
+    };
+    Measure::of(regime).iter().filter_map(worst).collect::<Vec<_>>().join(", ")
+}
+
+/// The runs of failing steps, in words.
+fn spans(fails: &[bool], steps: &[f64]) -> String {
+    let mut spans = Vec::new();
+    let mut step = 0;
+    for run in fails.chunk_by(|a, b| a == b) {
+        let (first, last) = (step, step + run.len() - 1);
+        step += run.len();
+        if run[0] {
+            let [from, to] = [first, last].map(|step| severity(steps[step]));
+            spans.push(match (first == last, last + 1 == steps.len()) {
+                (true, _) => format!("at {from}"),
+                (false, true) => format!("from {from}"),
+                (false, false) => format!("at {from} to {to}"),
+            });
+        }
+    }
+    spans.join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::figures::groups;
+    use crate::study::record::Record;
+    use crate::study::tests::fixture::record_of;
+
+    fn grazing(record: &Record) -> &RegimeRow {
+        record.regimes.iter().find(|regime| regime.name == "grazing").unwrap()
+    }
+
+    fn verdict_of(record: &Record) -> Option<Verdict> {
+        verdict(&groups(record)[0].kernels[0], grazing(record))
+    }
+
+    /// A kernel that is right everywhere.
+    fn flawless() -> Record {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        for row in &mut record.accuracy {
+            (row.false_miss_per_million, row.false_hit_per_million, row.t_ulp_p99) = (0.0, 0.0, FAILING_ULP);
+        }
+        record
+    }
+
+    fn at_step(record: &mut Record, step: usize) -> &mut AccuracyRow {
+        let severity = Some(grazing(record).steps[step]);
+        record.accuracy.iter_mut().find(|row| row.workload == "grazing" && row.severity == severity).unwrap()
+    }
+
+    #[test]
+    fn wrong_answers_are_those_of_both_kinds() {
+        let mut record = flawless();
+        let row = at_step(&mut record, 0);
+        (row.exact_hits, row.false_miss_per_million) = (1000, 5000.0);
+        (row.exact_misses, row.false_hit_per_million) = (3000, 1000.0);
+        assert_eq!(wrong(row), Rate::new(2000.0, 4000));
+        (row.exact_misses, row.false_hit_per_million) = (0, f64::NAN);
+        assert_eq!(wrong(row), Rate::new(5000.0, 1000));
+        row.exact_hits = 0;
+        assert_eq!(wrong(row), None);
+    }
+
+    #[test]
+    fn a_verdict_names_the_steps_and_the_figures() {
+        let mut record = flawless();
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: String::new() }));
+        at_step(&mut record, 1).false_hit_per_million = 1000.0;
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: "wrong up to 0.047 %".into() }));
+        at_step(&mut record, 2).false_miss_per_million = 1e6;
+        at_step(&mut record, 2).t_ulp_p99 = FAILING_ULP + 1;
+        for step in [4, 5, 6] {
+            at_step(&mut record, step).t_ulp_p99 = 12_345;
+        }
+        let Some(Verdict::Fails { first, at, how }) = verdict_of(&record) else { panic!("it fails") };
+        assert_eq!((first, at.as_str()), (2, "at 1e-3 and from 1e-5"));
+        assert_eq!(how, "wrong 53 %, p99 101 ulp");
+        record.accuracy.retain(|row| row.severity.is_none());
+        assert_eq!(verdict_of(&record), None);
+    }
+
+    #[test]
+    fn a_box_fails_by_what_it_loses_not_by_false_hits() {
+        let mut record = record_of(&["aabb/padded".into()]);
+        let regime = record.regimes.iter().find(|regime| regime.name == "box_edge").unwrap().clone();
+        for row in record.accuracy.iter_mut().filter(|row| row.workload == regime.name) {
+            (row.false_miss_per_million, row.boundary_none, row.false_hit_per_million) = (0.0, 0, 1e6);
+            row.t_ulp_p99 = 1;
+        }
+        let verdict_of = |record: &Record| verdict(&groups(record)[0].kernels[0], &regime);
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: "false hits up to 100 %".into() }));
+        record.accuracy.iter_mut().for_each(|row| row.false_miss_per_million = 1e6);
+        assert!(matches!(verdict_of(&record), Some(Verdict::Fails { first: 0, .. })));
+    }
+
+    #[test]
+    fn runs_of_steps_are_told_in_words() {
+        let steps = [1.0, 2.0, 3.0, 4.0, 5.0];
+        let told = |fails: [u8; 5]| spans(&fails.map(|fails| fails == 1), &steps);
+        assert_eq!(told([1, 1, 0, 0, 1]), "at 1 to 2 and at 5");
+        assert_eq!(told([1, 1, 1, 1, 1]), "from 1");
+        assert_eq!(told([0, 1, 0, 1, 1]), "at 2 and from 4");
+    }
+}

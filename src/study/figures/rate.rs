@@ -1,0 +1,92 @@
+//! Rates per million, and which of them a row of errors gives.
+
+use std::fmt;
+
+use super::format::number;
+use crate::study::record::AccuracyRow;
+
+/// So many per million, of a number of rays or pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rate {
+    /// Events per million.
+    pub(crate) per_million: f64,
+    /// The base.
+    pub(crate) of: u64,
+}
+
+impl Rate {
+    /// `None` where the base is empty.
+    pub(crate) fn new(per_million: f64, of: u64) -> Option<Self> {
+        (of > 0 && per_million >= 0.0 && per_million.is_finite()).then_some(Self { per_million, of })
+    }
+
+    /// Number of events.
+    pub(crate) fn events(self) -> f64 {
+        self.per_million * self.of as f64 / 1e6
+    }
+
+    /// The rate; for a zero its 95 % bound, `3/n`.
+    pub(crate) fn or_bound(self) -> f64 {
+        if self.per_million > 0.0 { self.per_million } else { 3e6 / self.of as f64 }
+    }
+}
+
+impl fmt::Display for Rate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.per_million > 0.0 {
+            f.write_str(&number(self.per_million, 3))
+        } else {
+            write!(f, "0 (< {})", number(self.or_bound(), 2))
+        }
+    }
+}
+
+/// Rays that hit a mesh and are lost.
+pub(crate) fn leaks(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.leak_per_million, row.mesh_hits)
+}
+
+/// Rays that hit one triangle of a mesh strictly inside, and are reported to hit several.
+pub(crate) fn doubles(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.double_per_million, row.single_hits)
+}
+
+/// A box has no neighbour that could catch what it loses, so its boundary counts like its interior.
+pub(crate) fn lost_by_boxes(row: &AccuracyRow) -> Option<Rate> {
+    let of = row.exact_hits + row.boundary_none + row.boundary_one + row.boundary_many;
+    // Without strict hits their rate has no meaning, and may be anything.
+    let strict = Rate::new(row.false_miss_per_million, row.exact_hits).map_or(0.0, Rate::events);
+    Rate::new((strict + row.boundary_none as f64) / of as f64 * 1e6, of)
+}
+
+/// False misses and false hits together.
+pub(crate) fn wrong(row: &AccuracyRow) -> Option<Rate> {
+    let sides = [(row.false_miss_per_million, row.exact_hits), (row.false_hit_per_million, row.exact_misses)];
+    // A rate of nothing has no meaning, and may be anything.
+    let events: f64 = sides.iter().filter_map(|&(rate, of)| Rate::new(rate, of)).map(Rate::events).sum();
+    let of = row.exact_hits + row.exact_misses;
+    Rate::new(events / of as f64 * 1e6, of)
+}
+
+/// Agreed hits whose `t` is off by more than 1 %.
+pub(crate) fn gross(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.gross_per_million, row.agreed_hits)
+}
+
+/// The 99th percentile of the error of `t`, where there are hits whose `t` could err.
+pub(crate) fn ulp_p99(row: &AccuracyRow) -> Option<u64> {
+    (row.agreed_hits > 0).then_some(row.t_ulp_p99)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_rate_is_a_bound() {
+        assert_eq!(Rate::new(0.0, 100_000).unwrap().to_string(), "0 (< 30)");
+        assert_eq!(Rate::new(10.0, 100_000).unwrap().to_string(), "10.0");
+        assert_eq!(Rate::new(0.0, 0), None);
+        assert_eq!(Rate::new(f64::NAN, 1), None);
+    }
+}

@@ -1,0 +1,316 @@
+//! What table, charts and report share about the tracer: modes side by side, more threads against one, how far packets pay,
+//! and growth with size.
+
+use std::fmt;
+
+use super::format::number;
+use crate::study::record::{CoherenceRow, Record, ScalingRow, TracerRow};
+use crate::tracer::Mode;
+
+/// Every mode, as records name them.
+pub(crate) fn modes() -> [&'static str; 4] {
+    Mode::ALL.map(Mode::name)
+}
+
+/// One set of rays of one scene.
+#[derive(Debug)]
+pub(crate) struct Traced<'a> {
+    /// Any of its rows: for what they have in common.
+    pub(crate) first: &'a TracerRow,
+    rows: Vec<&'a TracerRow>,
+}
+
+impl<'a> Traced<'a> {
+    /// All of a record, in its order.
+    pub(crate) fn all(record: &'a Record) -> Vec<Self> {
+        let key = |row: &'a TracerRow| [&row.scene, &row.rays, &row.kernel];
+        let mut all: Vec<Self> = Vec::new();
+        for row in &record.tracer {
+            match all.iter_mut().find(|traced| key(traced.first) == key(row)) {
+                Some(traced) => traced.rows.push(row),
+                None => all.push(Self { first: row, rows: vec![row] }),
+            }
+        }
+        all
+    }
+
+    /// Throughput in a mode.
+    pub(crate) fn row(&self, mode: &str, threads: usize) -> Option<&'a TracerRow> {
+        self.rows.iter().find(|row| row.mode == mode && row.threads == threads).copied()
+    }
+
+    /// Million rays per second.
+    pub(crate) fn mrays(&self, mode: &str, threads: usize) -> Option<f64> {
+        self.row(mode, threads).map(|row| row.mrays_per_second)
+    }
+
+    /// The fastest of these modes in one thread.
+    pub(crate) fn fastest(&self, modes: &[&str]) -> Option<f64> {
+        modes.iter().filter_map(|mode| self.mrays(mode, 1)).reduce(f64::max)
+    }
+
+    /// Whether no mode is faster than this row, in as many threads, by more than both median absolute deviations.
+    pub(crate) fn is_among_the_fastest(&self, row: &TracerRow) -> bool {
+        let is_faster = |other: &TracerRow| {
+            let spread = other.mrays_per_second_mad + row.mrays_per_second_mad;
+            other.threads == row.threads && other.mrays_per_second - row.mrays_per_second > spread
+        };
+        !self.rows.iter().any(|other| is_faster(other))
+    }
+
+    /// Mode auto over the faster of the two that it chooses from.
+    pub(crate) fn choice(&self) -> Option<f64> {
+        quotient(self.mrays("auto", 1)?, self.fastest(&["single", "packet"])?)
+    }
+
+    /// Mode auto over the scalar reference.
+    pub(crate) fn gain(&self) -> Option<f64> {
+        quotient(self.mrays("auto", 1)?, self.mrays("scalar", 1)?)
+    }
+
+    /// How many times as fast several threads are as one.
+    pub(crate) fn scaling(&self, mode: &str, threads: usize) -> Option<Ratio> {
+        let [many, one] = [self.row(mode, threads)?, self.row(mode, 1)?];
+        let value = quotient(many.mrays_per_second, one.mrays_per_second)?;
+        let relative = |row: &TracerRow| row.mrays_per_second_mad / row.mrays_per_second;
+        Some(Ratio { value, spread: value * (relative(many) + relative(one)) })
+    }
+}
+
+fn quotient(a: f64, b: f64) -> Option<f64> {
+    Some(a / b).filter(|quotient| quotient.is_finite())
+}
+
+/// A ratio of two medians.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ratio {
+    pub(crate) value: f64,
+    /// By how much it changes where both medians are off by their median absolute deviations, in opposite directions.
+    pub(crate) spread: f64,
+}
+
+impl fmt::Display for Ratio {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.2}× ± {}", self.value, number(self.spread, 1))
+    }
+}
+
+/// The coherence study of one scene.
+#[derive(Debug)]
+pub(crate) struct Coherence<'a> {
+    pub(crate) scene: &'a str,
+    /// From the rays of a picture to random ones.
+    pub(crate) jitters: Vec<f64>,
+    rows: Vec<&'a CoherenceRow>,
+}
+
+impl<'a> Coherence<'a> {
+    /// Those of a record, in its order.
+    pub(crate) fn all(record: &'a Record) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for row in &record.coherence {
+            if all.last().is_none_or(|coherence| coherence.scene != row.scene) {
+                all.push(Self { scene: &row.scene, jitters: Vec::new(), rows: Vec::new() });
+            }
+            let coherence = all.last_mut().expect("there is one by now");
+            coherence.rows.push(row);
+            if !coherence.jitters.contains(&row.jitter) {
+                coherence.jitters.push(row.jitter);
+            }
+        }
+        all
+    }
+
+    /// What was measured at a jitter.
+    pub(crate) fn row(&self, jitter: f64, mode: &str) -> Option<&'a CoherenceRow> {
+        self.rows.iter().find(|row| row.jitter == jitter && row.mode == mode).copied()
+    }
+
+    /// Whether anything was counted in any mode.
+    pub(crate) fn is_counted(&self) -> bool {
+        self.rows.iter().any(|row| row.nodes + row.leaves + row.tests > 0)
+    }
+
+    fn mrays(&self, jitter: f64, mode: &str) -> Option<f64> {
+        self.row(jitter, mode).map(|row| row.mrays_per_second)
+    }
+
+    /// Packets over single rays.
+    pub(crate) fn packet_gain(&self, jitter: f64) -> Option<f64> {
+        quotient(self.mrays(jitter, "packet")?, self.mrays(jitter, "single")?)
+    }
+
+    /// Mode auto over the faster of the two that it chooses from.
+    pub(crate) fn choice(&self, jitter: f64) -> Option<f64> {
+        quotient(self.mrays(jitter, "auto")?, self.mrays(jitter, "single")?.max(self.mrays(jitter, "packet")?))
+    }
+
+    /// The number of the first jitter at which single rays are faster than packets, by more than both median absolute
+    /// deviations together.
+    pub(crate) fn overtaking(&self) -> Option<usize> {
+        self.jitters.iter().position(|&jitter| {
+            let rows = self.row(jitter, "single").zip(self.row(jitter, "packet"));
+            rows.is_some_and(|(single, packet)| {
+                let spread = single.mrays_per_second_mad + packet.mrays_per_second_mad;
+                single.mrays_per_second - packet.mrays_per_second > spread
+            })
+        })
+    }
+
+    /// The least [`choice`](Self::choice), and the jitter there.
+    pub(crate) fn worst_choice(&self) -> Option<(f64, f64)> {
+        let choices = self.jitters.iter().filter_map(|&jitter| Some((self.choice(jitter)?, jitter)));
+        choices.min_by(|(a, _), (b, _)| a.total_cmp(b))
+    }
+}
+
+/// What was counted, by ray; `None` in modes that do not count.
+impl CoherenceRow {
+    /// Share of the lanes of eight-wide tests in which a ray that was still looking met a triangle.
+    pub(crate) fn lane_utilisation(&self) -> Option<f64> {
+        (self.tests > 0).then(|| self.lanes as f64 / (8 * self.tests) as f64)
+    }
+
+    pub(crate) fn nodes_per_ray(&self) -> Option<f64> {
+        self.per_ray(self.nodes)
+    }
+
+    pub(crate) fn leaves_per_ray(&self) -> Option<f64> {
+        self.per_ray(self.leaves)
+    }
+
+    pub(crate) fn tests_per_ray(&self) -> Option<f64> {
+        self.per_ray(self.tests)
+    }
+
+    fn per_ray(&self, count: u64) -> Option<f64> {
+        (count > 0 && self.ray_count > 0).then(|| count as f64 / self.ray_count as f64)
+    }
+}
+
+/// One set of rays in every size of the scene, from small to large.
+#[derive(Debug)]
+pub(crate) struct Growth<'a> {
+    pub(crate) rays: &'a str,
+    pub(crate) rows: Vec<&'a ScalingRow>,
+}
+
+impl<'a> Growth<'a> {
+    /// Those of a record, in its order.
+    pub(crate) fn all(record: &'a Record) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for row in &record.scaling {
+            match all.iter_mut().find(|growth| growth.rays == row.rays) {
+                Some(growth) => growth.rows.push(row),
+                None => all.push(Self { rays: &row.rays, rows: vec![row] }),
+            }
+        }
+        all
+    }
+
+    /// How much the cost of a ray grows with each size, the first left out, per factor of ten of triangles.
+    pub(crate) fn per_decade(&self) -> Vec<Option<f64>> {
+        let growth = |pair: &[&ScalingRow]| {
+            let decades = quotient(pair[1].triangles as f64, pair[0].triangles as f64)?.log10();
+            let growth = quotient(pair[1].ns_per_ray, pair[0].ns_per_ray)?.powf(1.0 / decades);
+            Some(growth).filter(|growth| growth.is_finite())
+        };
+        self.rows.windows(2).map(growth).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::fixture::record_of;
+
+    #[test]
+    fn modes_within_the_noise_of_the_fastest_are_among_the_fastest() {
+        let mut record = record_of(&[]);
+        let set = |record: &mut Record, mode: &str, mrays: f64| {
+            for row in record.tracer.iter_mut().filter(|row| row.mode == mode) {
+                // Two threads are not compared with one.
+                row.mrays_per_second = mrays * row.threads as f64;
+                row.mrays_per_second_mad = 0.1;
+            }
+        };
+        for (mode, mrays) in [("scalar", 2.0), ("single", 9.7), ("packet", 9.85), ("auto", 10.0)] {
+            set(&mut record, mode, mrays);
+        }
+        let traced = &Traced::all(&record)[0];
+        let fastest = |threads| modes().map(|mode| traced.is_among_the_fastest(traced.row(mode, threads).unwrap()));
+        assert_eq!([fastest(1), fastest(2)], [[false, false, true, true], [false, false, false, true]]);
+    }
+
+    #[test]
+    fn more_threads_are_compared_with_one() {
+        let mut record = record_of(&[]);
+        for row in &mut record.tracer {
+            (row.mrays_per_second, row.mrays_per_second_mad) = if row.threads == 1 { (4.0, 0.04) } else { (7.0, 0.14) };
+        }
+        let ratio = Traced::all(&record)[0].scaling("auto", 2).unwrap();
+        assert!((ratio.value - 1.75).abs() < 1e-12 && (ratio.spread - 1.75 * 0.03).abs() < 1e-12);
+        assert_eq!(ratio.to_string(), "1.75× ± 0.05");
+        assert!(Traced::all(&record)[0].scaling("auto", 3).is_none());
+    }
+
+    #[test]
+    fn single_rays_overtake_packets_where_they_are_faster_by_more_than_the_spread() {
+        let overtaking = |packets: [f64; 4]| {
+            let mut record = record_of(&[]);
+            record.coherence.retain(|row| row.scene == "room" && row.jitter <= 0.01);
+            for row in &mut record.coherence {
+                let step = [0.0, 0.001, 0.003, 0.01].iter().position(|&jitter| jitter == row.jitter).unwrap();
+                row.mrays_per_second = if row.mode == "packet" { packets[step] } else { 5.0 };
+                row.mrays_per_second_mad = 0.2;
+            }
+            Coherence::all(&record)[0].overtaking()
+        };
+        assert_eq!(overtaking([9.0, 8.0, 6.0, 5.0]), None);
+        assert_eq!(overtaking([9.0, 8.0, 6.0, 4.7]), None, "a tie");
+        assert_eq!(overtaking([9.0, 8.0, 4.5, 6.0]), Some(2));
+        assert_eq!(overtaking([4.0; 4]), Some(0));
+        let mut record = record_of(&[]);
+        record.coherence.retain(|row| row.mode != "single");
+        assert_eq!(Coherence::all(&record)[0].overtaking(), None);
+    }
+
+    #[test]
+    fn the_worst_choice_is_the_lowest_ratio_to_the_better_mode() {
+        let mut record = record_of(&[]);
+        for row in &mut record.coherence {
+            row.mrays_per_second = match (row.mode.as_str(), row.jitter) {
+                ("packet", 0.1) => 8.0,
+                ("single", 0.5) => 10.0,
+                ("auto", 0.5) => 7.0,
+                ("auto", 0.1) => 6.0,
+                _ => 5.0,
+            };
+        }
+        assert_eq!(Coherence::all(&record)[1].worst_choice(), Some((0.7, 0.5)));
+    }
+
+    #[test]
+    fn growth_is_per_factor_of_ten() {
+        let mut record = record_of(&[]);
+        for row in &mut record.scaling {
+            (row.triangles, row.ns_per_ray) = match row.scene.as_str() {
+                "terrain:1e4" => (10_000, 20.0),
+                "terrain:1e5" => (100_000, 30.0),
+                _ => (10_000_000, 67.5),
+            };
+        }
+        let growth = Growth::all(&record)[0].per_decade();
+        assert!(growth.len() == 2 && growth.iter().all(|growth| (growth.unwrap() - 1.5).abs() < 1e-12), "{growth:?}");
+    }
+
+    #[test]
+    fn lanes_and_visits_are_shares_and_by_ray() {
+        let mut row = record_of(&[]).coherence.remove(0);
+        (row.ray_count, row.nodes, row.leaves, row.tests, row.lanes) = (100, 50, 200, 400, 800);
+        assert_eq!(row.lane_utilisation(), Some(0.25));
+        assert_eq!([row.nodes_per_ray(), row.leaves_per_ray(), row.tests_per_ray()], [Some(0.5), Some(2.0), Some(4.0)]);
+        (row.nodes, row.leaves, row.tests, row.lanes) = (0, 0, 0, 0);
+        assert_eq!((row.lane_utilisation(), row.nodes_per_ray()), (None, None));
+    }
+}

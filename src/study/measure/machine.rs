@@ -1,0 +1,94 @@
+//! What a measurement was made on, and how the program was built.
+
+use crate::study::record::Machine;
+
+/// Crates whose code is inside what is measured.
+const MEASURED: [&str; 5] = ["glam", "wide", "obvhs", "rayon", "dashu-int"];
+
+/// Crates that others' tracers come from, beside those.
+pub(crate) const PEERS: [&str; 2] = ["bvh", "parry3d"];
+
+/// Describes this machine and this build.
+pub(crate) fn describe() -> Machine {
+    let mut target_features: Vec<_> =
+        env!("RAYLANES_TARGET_FEATURES").split(',').filter(|name| !name.is_empty()).map(String::from).collect();
+    target_features.sort();
+    Machine {
+        cpu: cpu(),
+        processors: std::thread::available_parallelism().map_or(1, usize::from),
+        os: std::env::consts::OS.into(),
+        target: env!("RAYLANES_TARGET").into(),
+        target_features,
+        rustc: env!("RAYLANES_RUSTC").into(),
+        versions: [format!("raylanes {}", env!("CARGO_PKG_VERSION"))].into_iter().chain(versions(&MEASURED)).collect(),
+    }
+}
+
+/// `name version` of crates, from the lock file that the program was built with.
+pub(crate) fn versions(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| version(include_str!("../../../Cargo.lock"), name)).collect()
+}
+
+/// Bytes of the greatest cache of the first processor, where the system tells them.
+pub(crate) fn cache_bytes() -> Option<u64> {
+    let size = |index| {
+        let text = std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index{index}/size")).ok()?;
+        text.trim().strip_suffix('K')?.parse::<u64>().ok()
+    };
+    (0..8).filter_map(size).max().map(|kilobytes| kilobytes * 1024)
+}
+
+/// The processor's name, with family and model number where the system tells them: virtual machines shorten the name.
+fn cpu() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let field = |name: &str| {
+        text.lines().find_map(|line| {
+            let (key, value) = line.split_once(':')?;
+            (key.trim() == name).then(|| value.trim())
+        })
+    };
+    match (field("model name"), field("cpu family"), field("model")) {
+        (Some(name), Some(family), Some(model)) => format!("{name} (family {family}, model {model})"),
+        (Some(name), ..) => name.into(),
+        _ => format!("unknown {}", std::env::consts::ARCH),
+    }
+}
+
+fn version(lock: &str, name: &str) -> String {
+    let package = |name: &str| lock.split("[[package]]").find(|text| text.contains(&format!("\nname = \"{name}\"\n")));
+    // Of a crate that others need in other versions, ours is the one that stands in our list of dependencies.
+    let start = format!("\"{name} ");
+    let ours = package(env!("CARGO_PKG_NAME")).and_then(|text| text.split(&start).nth(1));
+    let only = || package(name)?.split("version = \"").nth(1);
+    let version = ours.or_else(only).and_then(|text| text.split('"').next());
+    format!("{name} {}", version.unwrap_or("unknown"))
+}
+
+/// One line of advice where the build leaves speed on the table, else `None`.
+pub fn build_warning() -> Option<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    if !cfg!(target_feature = "avx2") && std::arch::is_x86_feature_detected!("avx2") {
+        return Some(
+            "built without AVX2 on a processor that has it: packets run at half width or less \
+             (build with RUSTFLAGS=\"-C target-cpu=native\")",
+        );
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_come_from_the_lock_file() {
+        let package =
+            |name: &str, version: &str| format!("[[package]]\nname = \"{name}\"\nversion = \"{version}\"\n\n");
+        let lock = [package("glam", "1.1.0"), package("glam", "1.2.3"), package("wide", "4.5.6")].concat()
+            + "[[package]]\nname = \"raylanes\"\ndependencies = [\n \"glam 1.2.3\",\n \"wide\",\n]\n";
+        let found = ["glam", "wide", "obvhs"].map(|name| version(&lock, name));
+        assert_eq!(found, ["glam 1.2.3", "wide 4.5.6", "obvhs unknown"]);
+        let all = [describe().versions, versions(&PEERS)].concat();
+        assert!(all.len() > 7 && all.iter().all(|version| !version.ends_with("unknown")), "{all:?}");
+    }
+}

@@ -1,0 +1,156 @@
+//! What the processor can do at most: the time of an operation on eight lanes where it waits for no other, and so what a
+//! test that needs so many of them takes at least.
+//!
+//! Each operation runs in chains that are independent of one another, more of them than an operation takes cycles. Loads
+//! are taken from the first-level cache.
+
+use std::array::from_fn;
+use std::hint::black_box;
+use std::time::Instant;
+
+use wide::{f32x8, f64x8};
+
+use super::stats::{mad, median};
+use crate::geom::lanes::max8;
+#[cfg(fused)]
+use crate::geom::lanes::mul_add8;
+use crate::study::record::RateRow;
+
+/// Chains that fit into the registers.
+const CHAINS: usize = if cfg!(any(target_feature = "avx", target_arch = "aarch64")) { 12 } else { 6 };
+/// Steps of each chain in a sample: a quarter of a millisecond or more.
+const STEPS: usize = 1 << 16;
+
+/// Nanoseconds of one step of one chain.
+fn time<T: Copy>(start: [T; CHAINS], step: impl Fn(T) -> T) -> f64 {
+    let mut values = black_box(start);
+    let clock = Instant::now();
+    for _ in 0..STEPS {
+        for value in &mut values {
+            *value = step(*value);
+        }
+    }
+    let seconds = clock.elapsed().as_secs_f64();
+    black_box(values);
+    seconds * 1e9 / (STEPS * CHAINS) as f64
+}
+
+fn start_f32() -> [f32x8; CHAINS] {
+    from_fn(|chain| f32x8::splat(1.25 + chain as f32 / 16.0))
+}
+
+fn start_f64() -> [f64x8; CHAINS] {
+    from_fn(|chain| f64x8::splat(1.25 + chain as f64 / 16.0))
+}
+
+/// Nanoseconds of one load. What is loaded is combined by maxima, of which a processor does as many; logic would be done on
+/// more than eight lanes at once where there are such registers.
+fn time_load() -> f64 {
+    const ROWS: usize = 4;
+    let data = black_box([start_f32(); ROWS]);
+    // Never in memory themselves, or each step would store them.
+    let mut values = start_f32();
+    let clock = Instant::now();
+    for _ in 0..STEPS / ROWS {
+        for row in black_box(&data) {
+            values = from_fn(|chain| max8(values[chain], row[chain]));
+        }
+    }
+    let seconds = clock.elapsed().as_secs_f64();
+    black_box(values.into_iter().fold(f32x8::ZERO, max8));
+    seconds * 1e9 / (STEPS * CHAINS) as f64
+}
+
+/// An operation, its precision, and a function that takes one sample: nanoseconds for one of them.
+type Operation = (&'static str, &'static str, fn() -> f64);
+
+const OPERATIONS: &[Operation] = &[
+    ("multiply", "f32", || {
+        let one = black_box(f32x8::ONE);
+        time(start_f32(), |value| value * one)
+    }),
+    ("add", "f32", || {
+        let zero = black_box(f32x8::ZERO);
+        time(start_f32(), |value| max8(value + zero, zero)) / 2.0
+    }),
+    #[cfg(fused)]
+    ("fused", "f32", || {
+        let (one, zero) = black_box((f32x8::ONE, f32x8::ZERO));
+        time(start_f32(), |value| mul_add8(value, one, zero))
+    }),
+    ("divide", "f32", || {
+        let two = black_box(f32x8::splat(2.1));
+        time(start_f32(), |value| two / value)
+    }),
+    ("multiply and add", "f32", || {
+        let (one, zero) = black_box((f32x8::ONE, f32x8::ZERO));
+        time(start_f32(), |value| value * one + zero) / 2.0
+    }),
+    ("load", "f32", time_load),
+    ("multiply", "f64", || {
+        let one = black_box(f64x8::ONE);
+        time(start_f64(), |value| value * one)
+    }),
+    ("add", "f64", || {
+        let zero = black_box(f64x8::ZERO);
+        time(start_f64(), |value| value + zero)
+    }),
+    ("divide", "f64", || {
+        let two = black_box(f64x8::splat(2.1));
+        time(start_f64(), |value| two / value)
+    }),
+    ("multiply and add", "f64", || {
+        let (one, zero) = black_box((f64x8::ONE, f64x8::ZERO));
+        time(start_f64(), |value| value * one + zero) / 2.0
+    }),
+];
+
+/// The samples so far, of each operation.
+#[derive(Debug)]
+pub(crate) struct Rates(Vec<Vec<f64>>);
+
+impl Rates {
+    pub(crate) fn new() -> Self {
+        Self(vec![Vec::new(); OPERATIONS.len()])
+    }
+
+    /// Takes one more sample of each operation.
+    pub(crate) fn sample(&mut self) {
+        for (samples, (_, _, take)) in self.0.iter_mut().zip(OPERATIONS) {
+            samples.push(take());
+        }
+    }
+
+    pub(crate) fn rows(&self) -> Vec<RateRow> {
+        let row = |(samples, (operation, precision, _)): (&Vec<f64>, &Operation)| {
+            let ns_per_operation = median(samples);
+            RateRow {
+                operation: (*operation).into(),
+                precision: (*precision).into(),
+                ns_per_operation,
+                ns_per_operation_mad: mad(samples),
+                operations_per_second: 1e9 / ns_per_operation,
+                samples: samples.len(),
+            }
+        };
+        self.0.iter().zip(OPERATIONS).map(row).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_lanes_take_a_time() {
+        let mut rates = Rates::new();
+        (0..3).for_each(|_| rates.sample());
+        let rows = rates.rows();
+        assert_eq!(rows.len(), OPERATIONS.len());
+        for row in &rows {
+            // From a thousandth of a nanosecond, which would be a loop that the compiler has removed, to a microsecond.
+            assert!((1e-3..1e3).contains(&row.ns_per_operation), "{row:?}");
+            assert!(row.samples == 3 && (row.operations_per_second * row.ns_per_operation / 1e9 - 1.0).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,414 @@
+//! Throughput of kernels: every face of every kernel, with the primitives in the first-level cache.
+//!
+//! What is timed is what a tracer does with a kernel: rays find their closest hit among [`PRIMITIVES`] prepared
+//! primitives, setup included, and keep `t`, `u`, `v` and the primitive number. All faces do this for the same rays and
+//! primitives, and must end with the same hits.
+//!
+//! **Nothing is timed twice in a row.** A processor remembers tens of thousands of branches: with 64 rays and 32
+//! primitives again and again, all 2,048 outcomes were predicted, and a scalar Möller–Trumbore with four branches took 5 ns;
+//! with rays that it had not just seen, 20. So a sample is one pass over [`RAYS`] rays, and all other jobs have a turn
+//! before the next. Before it, rays and primitives are brought into the cache, and other rays make the code known.
+//!
+//! Jobs are interleaved: the first sample of every job, then the second of every job, and so on, so that a slow spell of
+//! the machine falls on all alike.
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use wide::{f32x8, u32x8};
+
+use super::stats::{mad, median};
+use crate::geom::lanes::lt8;
+use crate::geom::{Hit, Ray};
+use crate::kernels::{Intersect, Kernel, Shape};
+use crate::registry::Visitor;
+use crate::study::record::{MethodRow, SpeedRow};
+use crate::study::workload::{RAYS_PER_SAMPLE, Subject, Workload, rng};
+use crate::tracer::{Error, checksum};
+
+/// Rays of a pass.
+pub const RAYS: usize = 8192;
+/// Primitives that each ray is tested against: four groups of eight.
+pub const PRIMITIVES: usize = 32;
+
+/// How rays and primitives are paired.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// The scalar twin.
+    OneByOne,
+    /// The packet twin: eight rays against one primitive.
+    EightRays,
+    /// The packet twin: one ray against eight primitives.
+    EightPrimitives,
+}
+
+impl Face {
+    /// Every face.
+    pub const ALL: [Self; 3] = [Self::OneByOne, Self::EightRays, Self::EightPrimitives];
+
+    /// As used in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OneByOne => "1x1",
+            Self::EightRays => "8x1",
+            Self::EightPrimitives => "1x8",
+        }
+    }
+}
+
+/// Prepared primitives of a kernel, and the rays aimed at them.
+#[derive(Clone, Debug)]
+struct Set<K: Kernel> {
+    primitives: Vec<K>,
+    groups: Vec<K::Packet>,
+    rays: Vec<Ray<f32>>,
+    packets: Vec<Ray<f32x8>>,
+}
+
+impl<K: Kernel> Set<K>
+where
+    K::Shape: Subject,
+{
+    /// Primitives of the samples from number `index` on, which is moved past them. Of the rays of one sample, no more than two
+    /// for each of its primitives follow one another, so that those of a packet are unlike.
+    fn new(workload: Workload, seed: u64, index: &mut u64) -> Self {
+        let (mut primitives, mut samples) = (Vec::new(), Vec::new());
+        while primitives.len() < PRIMITIVES {
+            let sample = K::Shape::sample(workload, &mut rng(seed, K::Shape::FAMILY, workload.name(), &[], *index));
+            *index += 1;
+            primitives.extend(sample.shapes.iter().map(K::prepare));
+            samples.push(sample);
+        }
+        let share = 2 * samples[0].shapes.len();
+        let turns = (0..RAYS_PER_SAMPLE / share).map(|turn| share * turn..share * (turn + 1));
+        let rays: Vec<_> =
+            turns.flat_map(|turn| samples.iter().flat_map(move |one| &one.rays[turn.clone()])).copied().collect();
+        let groups = primitives.chunks_exact(8).map(|eight| K::gather(eight.try_into().expect("groups of eight")));
+        let packets = rays.chunks_exact(8).map(Ray::from_slice);
+        Self { groups: groups.collect(), packets: packets.collect(), primitives, rays }
+    }
+
+    /// The closest hit of each ray among all primitives.
+    fn pass(&self, face: Face, hits: &mut [Hit<f32>]) {
+        match face {
+            Face::OneByOne => self.one_by_one(hits),
+            Face::EightRays => self.eight_rays(hits),
+            Face::EightPrimitives => self.eight_primitives(hits),
+        }
+    }
+
+    #[inline(never)]
+    fn one_by_one(&self, hits: &mut [Hit<f32>]) {
+        for (ray, best) in self.rays.iter().zip(hits) {
+            let setup = <K as Intersect<f32>>::setup(ray);
+            *best = Hit::MISS;
+            for (number, primitive) in self.primitives.iter().enumerate() {
+                let hit = primitive.closest_hit(ray, &setup);
+                if hit.t < best.t {
+                    *best = Hit { primitive: number as u32, ..hit };
+                }
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn eight_rays(&self, hits: &mut [Hit<f32>]) {
+        for (packet, hits) in self.packets.iter().zip(hits.chunks_exact_mut(8)) {
+            let setup = <K as Intersect<f32x8>>::setup(packet);
+            let mut best = Hit::<f32x8>::miss();
+            for (number, primitive) in self.primitives.iter().enumerate() {
+                let hit = primitive.candidate(packet, &setup);
+                let closer = hit.mask & lt8(hit.t, best.t);
+                best.replace(closer, &Hit { primitive: u32x8::splat(number as u32), ..hit });
+            }
+            best.write(hits);
+        }
+    }
+
+    #[inline(never)]
+    fn eight_primitives(&self, hits: &mut [Hit<f32>]) {
+        for (ray, hit) in self.rays.iter().zip(hits) {
+            let ray = Ray::splat(ray);
+            let setup = <K as Intersect<f32x8>>::setup(&ray);
+            let mut best = Hit::<f32x8>::miss();
+            let mut numbers = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+            for group in &self.groups {
+                let hit = group.candidate(&ray, &setup);
+                let closer = hit.mask & lt8(hit.t, best.t);
+                best.replace(closer, &Hit { primitive: numbers, ..hit });
+                numbers += u32x8::splat(8);
+            }
+            *hit = best.closest();
+        }
+    }
+
+    /// Hits, of one ray or of any of eight, and tests of this face.
+    fn hits_and_tests(&self, face: Face) -> [u64; 2] {
+        let (mut hits, mut tests) = (0, 0);
+        let mut count = |hit: bool| (hits, tests) = (hits + u64::from(hit), tests + 1);
+        match face {
+            Face::OneByOne => {
+                self.rays.iter().for_each(|ray| self.primitives.iter().for_each(|one| count(one.hit(ray).mask)));
+            }
+            Face::EightRays => {
+                self.packets
+                    .iter()
+                    .for_each(|rays| self.primitives.iter().for_each(|one| count(one.hit(rays).mask.any())));
+            }
+            Face::EightPrimitives => {
+                let packets = self.rays.iter().map(Ray::splat);
+                packets.for_each(|ray| self.groups.iter().for_each(|eight| count(eight.hit(&ray).mask.any())));
+            }
+        }
+        [hits, tests]
+    }
+}
+
+/// Rays and prepared primitives of a kernel.
+#[derive(Clone, Debug)]
+pub struct Bench<K: Kernel> {
+    sets: Vec<Set<K>>,
+    /// For [`Bench::warm_up`].
+    other: Set<K>,
+}
+
+impl<K: Kernel> Bench<K>
+where
+    K::Shape: Subject,
+{
+    /// Each ray is aimed at one of the primitives, or at its neighbours in a small mesh, and misses most others.
+    pub fn new(workload: Workload, seed: u64) -> Self {
+        let mut index = 0;
+        let other = Set::new(workload, seed, &mut index);
+        let sets = (0..RAYS / other.rays.len()).map(|_| Set::new(workload, seed, &mut index));
+        Self { sets: sets.collect(), other }
+    }
+
+    /// One pass: the closest hit of each ray among its primitives, in ray order.
+    ///
+    /// # Panics
+    /// If there are other than [`RAYS`] hits.
+    pub fn pass(&self, face: Face, hits: &mut [Hit<f32>]) {
+        assert_eq!(hits.len(), RAYS, "one hit for each ray");
+        for (set, hits) in self.sets.iter().zip(hits.chunks_exact_mut(self.other.rays.len())) {
+            set.pass(face, hits);
+        }
+    }
+
+    /// Brings the data of a pass into the cache, and its code into what the processor knows of code, but not the outcomes of its
+    /// branches.
+    pub fn warm_up(&self, face: Face, hits: &mut [Hit<f32>]) {
+        for set in &self.sets {
+            match face {
+                Face::OneByOne => (touch(&set.rays), touch(&set.primitives)),
+                Face::EightRays => (touch(&set.packets), touch(&set.primitives)),
+                Face::EightPrimitives => (touch(&set.rays), touch(&set.groups)),
+            };
+        }
+        self.other.pass(face, &mut hits[..self.other.rays.len()]);
+    }
+
+    /// Share of the tests of this face in which anything is hit.
+    fn hit_share(&self, face: Face) -> f64 {
+        let counts = self.sets.iter().map(|set| set.hits_and_tests(face));
+        let [hits, tests] = counts.fold([0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        hits as f64 / tests as f64
+    }
+
+    /// Nanoseconds per ray for the setup, scalar and in packets.
+    fn setup_ns(&self) -> [f64; 2] {
+        let time = |run: &dyn Fn()| {
+            let passes = 250;
+            let samples = (0..5).map(|_| {
+                let start = Instant::now();
+                (0..passes).for_each(|_| run());
+                start.elapsed().as_secs_f64() * 1e9 / (passes * self.other.rays.len()) as f64
+            });
+            median(&samples.collect::<Vec<_>>())
+        };
+        [
+            time(&|| {
+                for ray in &self.other.rays {
+                    black_box(<K as Intersect<f32>>::setup(black_box(ray)));
+                }
+            }),
+            time(&|| {
+                for packet in &self.other.packets {
+                    black_box(<K as Intersect<f32x8>>::setup(black_box(packet)));
+                }
+            }),
+        ]
+    }
+}
+
+/// Reads all of it.
+fn touch<T: Copy>(values: &[T]) {
+    for value in values {
+        black_box(*value);
+    }
+}
+
+/// One face of one kernel, ready to be timed.
+struct Job {
+    id: String,
+    face: Face,
+    hit_share: f64,
+    warm_up: Run,
+    pass: Run,
+}
+
+/// A part of a job.
+type Run = Box<dyn Fn(&mut [Hit<f32>]) + Send + Sync>;
+
+#[derive(Default)]
+pub(crate) struct Speed {
+    pub(crate) methods: Vec<MethodRow>,
+    jobs: Vec<Job>,
+    seed: u64,
+}
+
+impl Speed {
+    /// Prepares every registered kernel.
+    pub(crate) fn new(seed: u64) -> Self {
+        let mut speed = Self { seed, ..Self::default() };
+        crate::registry::all(&mut speed);
+        speed
+    }
+
+    /// Times every job with each number of threads, and calls `after_round` each time that all had a turn, with the share that is
+    /// done.
+    ///
+    /// # Errors
+    /// If two faces, or two threads, of a kernel end with different hits: a timing of wrong results is worth nothing.
+    pub(crate) fn measure(
+        &self,
+        samples: usize,
+        thread_counts: &[usize],
+        after_round: &mut dyn FnMut(f64),
+    ) -> Result<Vec<SpeedRow>, Error> {
+        let expected: Vec<u64> = self.jobs.iter().map(|job| timed(job, 1).1[0]).collect();
+        for (job, sum) in self.jobs.iter().zip(&expected) {
+            let first = self.jobs.iter().position(|other| other.id == job.id).expect("the job itself is there");
+            if *sum != expected[first] {
+                return Err(Error::Disagreement(format!("{}: faces {} and 1x1", job.id, job.face.name())));
+            }
+        }
+        let mut times = vec![Vec::with_capacity(samples); self.jobs.len() * thread_counts.len()];
+        for sample in 0..samples {
+            for (slot, times) in times.iter_mut().enumerate() {
+                // One number of threads after the other, so that no job is timed twice in a row.
+                let (index, threads) = (slot % self.jobs.len(), thread_counts[slot / self.jobs.len()]);
+                let (seconds, sums) = timed(&self.jobs[index], threads);
+                if sums.iter().any(|sum| *sum != expected[index]) {
+                    return Err(Error::Disagreement(format!("{} while it was timed", self.jobs[index].id)));
+                }
+                times.push(seconds * 1e9 / (threads * RAYS * PRIMITIVES) as f64);
+            }
+            after_round((sample + 1) as f64 / samples as f64);
+        }
+        let row = |(slot, times): (usize, &Vec<f64>)| {
+            let index = slot % self.jobs.len();
+            let ns_per_test = median(times);
+            SpeedRow {
+                id: self.jobs[index].id.clone(),
+                face: self.jobs[index].face.name().into(),
+                threads: thread_counts[slot / self.jobs.len()],
+                ns_per_test,
+                ns_per_test_mad: mad(times),
+                tests_per_second: 1e9 / ns_per_test,
+                samples,
+                hit_share: self.jobs[index].hit_share,
+                checksum: format!("{:016x}", expected[index]),
+            }
+        };
+        Ok(times.iter().enumerate().map(row).collect())
+    }
+}
+
+impl<S: Subject> Visitor<S> for Speed {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
+        let bench = Bench::<K>::new(Workload::Generic, self.seed);
+        let id = K::INFO.id.to_string();
+        let [setup_ns, setup_ns_packet] =
+            if size_of::<<K as Intersect<f32>>::Setup>() == 0 { [0.0; 2] } else { bench.setup_ns() };
+        self.methods.push(MethodRow {
+            id: id.clone(),
+            family: S::FAMILY.into(),
+            idea: K::INFO.idea.into(),
+            source: K::INFO.source.into(),
+            operations: K::INFO.operations.into(),
+            prepared_bytes: size_of::<K>(),
+            setup_bytes: size_of::<<K as Intersect<f32>>::Setup>(),
+            setup_ns,
+            setup_ns_packet,
+            claims: K::INFO.claims.iter().map(|claim| claim.name().into()).collect(),
+        });
+        let bench = Arc::new(bench);
+        for face in Face::ALL {
+            let run = |run: fn(&Bench<K>, Face, &mut [Hit<f32>])| -> Run {
+                let bench = Arc::clone(&bench);
+                Box::new(move |hits| run(&bench, face, hits))
+            };
+            let (warm_up, pass) = (run(Bench::warm_up), run(Bench::pass));
+            self.jobs.push(Job { id: id.clone(), face, hit_share: bench.hit_share(face), warm_up, pass });
+        }
+    }
+}
+
+/// Runs the job once, on so many threads at once: seconds until the last is done, and the checksum of each.
+fn timed(job: &Job, threads: usize) -> (f64, Vec<u64>) {
+    let waiting = AtomicUsize::new(threads);
+    let run = || {
+        let mut hits = vec![Hit::MISS; RAYS];
+        (job.warm_up)(&mut hits);
+        // A thread that sleeps until all are there would wake up when others are half done.
+        waiting.fetch_sub(1, Ordering::AcqRel);
+        while waiting.load(Ordering::Acquire) > 0 {
+            std::thread::yield_now();
+        }
+        let start = Instant::now();
+        (job.pass)(&mut hits);
+        (start, Instant::now(), checksum(&hits))
+    };
+    let done = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(run)).collect();
+        let mut done = vec![run()];
+        done.extend(others.into_iter().map(|other| other.join().expect("a timed job does not panic")));
+        done
+    });
+    let start = done.iter().map(|(start, ..)| *start).min().expect("there is a thread");
+    let end = done.iter().map(|(_, end, _)| *end).max().expect("there is a thread");
+    ((end - start).as_secs_f64(), done.into_iter().map(|(.., sum)| sum).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    struct Benches;
+
+    impl<S: Subject> Visitor<S> for Benches {
+        fn visit<K: Kernel<Shape = S>>(&mut self) {
+            for workload in Workload::ALL {
+                let bench = Bench::<K>::new(workload, 3);
+                let of =
+                    |ray: &Ray<f32>| [ray.origin, ray.dir].map(|vector| vector.to_array().map(f32::to_bits)).concat();
+                let rays: Vec<_> = bench.sets.iter().chain([&bench.other]).flat_map(|set| &set.rays).map(of).collect();
+                assert_eq!(rays.len(), RAYS + bench.other.rays.len(), "{}", K::INFO.id);
+                let different = rays.iter().collect::<HashSet<_>>().len();
+                // On a grid some are the same.
+                let least = if workload == Workload::Generic { 1.0 } else { 0.9 };
+                assert!(different as f64 >= least * rays.len() as f64, "{}: {different} of {}", K::INFO.id, rays.len());
+            }
+        }
+    }
+
+    #[test]
+    fn no_ray_is_timed_twice() {
+        crate::registry::all(&mut Benches);
+    }
+}

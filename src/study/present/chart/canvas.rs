@@ -1,0 +1,101 @@
+//! An empty chart, its header, and the styles of its text.
+
+use std::convert::Infallible;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::layout::{FAINT, INK, LINE, MARGIN, PROPORTIONAL, Pixel, TEXT, TITLE};
+use super::svg::{FONT_SCALE, Svg};
+use crate::study::record::Record;
+
+pub(super) type Area<'a> = DrawingArea<Svg<'a>, Shift>;
+pub(super) type Drawing<T> = Result<T, DrawingAreaErrorKind<Infallible>>;
+pub(super) type Drawn = Drawing<()>;
+
+/// An SVG of that size.
+pub(super) fn canvas((width, height): Pixel, draw: impl FnOnce(&Area) -> Drawn) -> String {
+    let mut svg = String::new();
+    let root = Svg::new(&mut svg, (width as u32, height as u32)).into_drawing_area();
+    // Pages are white or dark; a chart brings its own background.
+    let drawn = root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present());
+    drawn.expect("a string takes whatever is written to it");
+    drop(root);
+    svg
+}
+
+/// A chart's message in bold, and lines below it; returns where the next line would be.
+pub(super) fn header(root: &Area, width: i32, title: &str, remarks: &[String]) -> Drawing<i32> {
+    let mut y = 10;
+    for line in wrapped(title, width - 2 * MARGIN, 1.1 * TITLE) {
+        root.draw_text(&line, &heading(TITLE), (MARGIN, y + 14))?;
+        y += 24;
+    }
+    for line in remarks.iter().flat_map(|remark| wrapped(remark, width - 2 * MARGIN, TEXT)) {
+        root.draw_text(&line, &label(TEXT, FAINT), (MARGIN, y + 10))?;
+        y += LINE;
+    }
+    Ok(y + 6)
+}
+
+/// Height of [`header`].
+pub(super) fn header_height(width: i32, title: &str, remarks: &[String]) -> i32 {
+    let lines = |text: &str, size| wrapped(text, width - 2 * MARGIN, size).len() as i32;
+    16 + 24 * lines(title, 1.1 * TITLE) + LINE * remarks.iter().map(|remark| lines(remark, TEXT)).sum::<i32>()
+}
+
+/// Words in lines that are about as long as `width` allows.
+pub(super) fn wrapped(text: &str, width: i32, size: f64) -> Vec<String> {
+    let most = (f64::from(width) / (PROPORTIONAL * size)) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut().filter(|line| line.chars().count() + word.chars().count() < most) {
+            Some(line) => *line = format!("{line} {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Where the record is from, for the header.
+pub(super) fn machine(record: &Record) -> String {
+    let quick = if record.quick { ", quick run: fewer rays and samples" } else { "" };
+    format!("{}, {}{quick}", record.machine.cpu, record.machine.rustc)
+}
+
+/// Text that begins at a point, vertically centred on it.
+pub(super) fn label(size: f64, color: RGBColor) -> TextStyle<'static> {
+    styled(FontFamily::SansSerif, FontStyle::Normal, size, color)
+}
+
+pub(super) fn heading(size: f64) -> TextStyle<'static> {
+    styled(FontFamily::SansSerif, FontStyle::Bold, size, INK)
+}
+
+/// Kernel names.
+pub(super) fn name(bold: bool) -> TextStyle<'static> {
+    styled(FontFamily::Monospace, if bold { FontStyle::Bold } else { FontStyle::Normal }, TEXT, INK)
+}
+
+fn styled(family: FontFamily<'static>, style: FontStyle, size: f64, color: RGBColor) -> TextStyle<'static> {
+    FontDesc::new(family, size * FONT_SCALE, style).color(&color).pos(Pos::new(HPos::Left, VPos::Center))
+}
+
+/// The same, horizontally centred.
+pub(super) fn centered(style: TextStyle<'static>) -> TextStyle<'static> {
+    style.pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_titles_are_wrapped_between_words() {
+        let text = "every word of a title that is too long for one line stands in one of its lines";
+        let lines = wrapped(text, 200, TEXT);
+        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() < 30), "{lines:?}");
+        assert_eq!(lines.join(" "), text);
+    }
+}

@@ -1,0 +1,354 @@
+//! `failure-map-<family>.svg`: for each kernel, the error of `t` over two severities at once, as an image. The images of
+//! a map stand side by side, all in the same colours.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::LogAxis;
+use super::canvas::{Area, Drawn, canvas, centered, header, header_height, heading, label, machine, name};
+use super::hover::{Hover, Shape};
+use super::layout::{ADVANCE, FAINT, INK, LINE, MARGIN, Pixel, TEXT, WIDTH};
+use crate::study::figures::{Group, count, severity};
+use crate::study::record::{MapCells, MapRow, Record};
+
+/// Errors up to these, in ulp, and the colours of the classes; then that of greater errors. One hue from light to dark
+/// (Cynthia Brewer's `YlGnBu`), so that lightness alone tells them apart.
+const CLASSES: [(u64, RGBColor); 6] = [
+    (1, RGBColor(255, 255, 204)),
+    (10, RGBColor(199, 233, 180)),
+    (100, RGBColor(127, 205, 187)),
+    (1_000, RGBColor(65, 182, 196)),
+    (10_000, RGBColor(29, 145, 192)),
+    (100_000, RGBColor(34, 94, 168)),
+];
+const WORSE: RGBColor = RGBColor(8, 29, 88);
+/// Of cells in which more than 1 % of the rays miss: no shade of the others, and striped besides.
+const MISSED: RGBColor = RGBColor(222, 70, 30);
+/// Of cells in which too few rays hit to tell.
+const UNKNOWN: RGBColor = RGBColor(216, 216, 216);
+/// Rays without which there is no 99th percentile.
+const LEAST: u64 = 100;
+
+const TITLE: &str = "errors over two severities (light: right, dark: wrong, striped: missed)";
+/// Images are at least about this wide, and at most this wide and high.
+const MIN_IMAGE: i32 = 130;
+const MAX_IMAGE: i32 = 200;
+const LEFT: i32 = 84;
+const GAP: i32 = 14;
+const NAME: i32 = 20;
+const TICKS: i32 = 22;
+const MAP_TITLE: i32 = 30;
+const AXIS_TITLE: i32 = 20;
+const LEGEND_HEIGHT: i32 = 56;
+
+/// Number of classes: [`CLASSES`], then greater errors, misses, and what is not known.
+const KINDS: usize = CLASSES.len() + 3;
+
+/// The class of a cell, for the number of rays that hit there and their error.
+fn class(hits: u64, t_ulp_p99: Option<u64>) -> usize {
+    match t_ulp_p99 {
+        _ if hits < LEAST => CLASSES.len() + 2,
+        None => CLASSES.len() + 1,
+        Some(ulp) => CLASSES.iter().position(|&(most, _)| ulp <= most).unwrap_or(CLASSES.len()),
+    }
+}
+
+fn color(class: usize) -> RGBColor {
+    CLASSES.get(class).map_or_else(|| [WORSE, MISSED, UNKNOWN][class - CLASSES.len()], |&(_, color)| color)
+}
+
+/// What a class stands for.
+fn meaning(class: usize) -> String {
+    match CLASSES.get(class) {
+        Some(&(most, _)) if class == 0 => format!("0 to {most} ulp"),
+        Some(&(most, _)) => format!("to {}", count(most)),
+        None => ["more", "> 1 % missed", "hardly any hit"][class - CLASSES.len()].into(),
+    }
+}
+
+/// Draws the maps of a group.
+pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
+    let longest = group.kernels.iter().map(|kernel| kernel.name.chars().count()).max().unwrap_or(0);
+    let pitch = (longest as f64 * ADVANCE).ceil() as i32 + GAP;
+    let layouts: Vec<Layout> = maps.iter().map(|map| Layout::new(map, group.kernels.len() as i32, pitch)).collect();
+    let width = layouts.iter().map(Layout::width).max().unwrap_or(0).max(WIDTH);
+    let title = format!("{}: {TITLE}", group.subject);
+    let remarks = [
+        "Colour: the error of t that 99 % of a cell's rays do not exceed, in units in the last place (ulp); all rays \
+         exactly hit strictly inside."
+            .to_owned(),
+        machine(record),
+    ];
+    let height = header_height(width, &title, &remarks) + LEGEND_HEIGHT;
+    let height = height + layouts.iter().map(Layout::height).sum::<i32>() + MARGIN;
+    canvas((width, height), |root| {
+        let mut top = header(root, width, &title, &remarks)?;
+        legend(root, top)?;
+        top += LEGEND_HEIGHT;
+        for (map, layout) in maps.iter().zip(&layouts) {
+            draw_map(root, record, group, map, layout, top)?;
+            top += layout.height();
+        }
+        Ok(())
+    })
+}
+
+fn legend(root: &Area, top: i32) -> Drawn {
+    const BOX: i32 = 100;
+    for class in 0..KINDS {
+        // The misses stand apart from the scale.
+        let x = MARGIN + class as i32 * BOX + if class > CLASSES.len() { 24 } else { 0 };
+        let corners = [(x, top + 4), (x + BOX, top + 22)];
+        fill(root, corners, class)?;
+        stripe(root, corners, class)?;
+        root.draw_text(&meaning(class), &label(TEXT, INK), (x, top + 34))?;
+    }
+    Ok(())
+}
+
+/// Where the images of a map are.
+struct Layout {
+    /// Cells across and upward.
+    cells: Pixel,
+    /// Side of a cell.
+    cell: i32,
+    columns: i32,
+    rows: i32,
+    /// From one image to the next.
+    pitch: i32,
+}
+
+impl Layout {
+    fn new(map: &MapRow, images: i32, pitch: i32) -> Self {
+        let cells = (map.x.len().max(1) as i32, map.y.len().max(1) as i32);
+        let pitch = pitch.max(MIN_IMAGE + GAP);
+        let space = WIDTH - LEFT - MARGIN + GAP;
+        let most = (space / pitch).max(1);
+        // Rows about equally long, and images as large as there is room for.
+        let rows = ((images + most - 1) / most).max(1);
+        let columns = ((images + rows - 1) / rows).max(1);
+        let pitch = pitch.max((space / columns).min(MAX_IMAGE + GAP));
+        let cell = ((pitch - GAP) / cells.0).min(MAX_IMAGE / cells.1).max(3);
+        Self { cells, cell, columns, rows, pitch: pitch.max(cells.0 * cell + GAP) }
+    }
+
+    fn size(&self) -> Pixel {
+        (self.cells.0 * self.cell, self.cells.1 * self.cell)
+    }
+
+    fn width(&self) -> i32 {
+        LEFT + self.columns * self.pitch + MARGIN
+    }
+
+    fn row_height(&self) -> i32 {
+        NAME + self.size().1 + TICKS
+    }
+
+    fn height(&self) -> i32 {
+        MAP_TITLE + 2 * LINE + self.rows * self.row_height() + AXIS_TITLE
+    }
+}
+
+fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &Layout, top: i32) -> Drawn {
+    root.draw_text(&map.name, &heading(15.0), (MARGIN, top + MAP_TITLE / 2))?;
+    let rays = count(map.hits.iter().copied().max().unwrap_or(0));
+    let axes = [format!("→ {}", map.x_axis), format!("↑ {}; {rays} rays per cell", map.y_axis)];
+    for (line, text) in (0..).zip(axes) {
+        root.draw_text(&text, &label(TEXT, INK), (MARGIN, top + MAP_TITLE + LINE * line + LINE / 2))?;
+    }
+    let top = top + MAP_TITLE + 2 * LINE;
+    for (i, kernel) in (0..).zip(&group.kernels) {
+        let (column, row) = (i % layout.columns, i / layout.columns);
+        let corner = (LEFT + column * layout.pitch, top + row * layout.row_height() + NAME);
+        root.draw_text(&kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
+        axes_of(root, map, layout, corner, column == 0)?;
+        let cells = record.map_cells.iter().find(|cells| cells.id == kernel.kernel.id && cells.map == map.name);
+        let Some(cells) = cells.filter(|cells| fits(cells, map)) else {
+            let (width, height) = layout.size();
+            let center = (corner.0 + width / 2, corner.1 + height / 2);
+            root.draw_text("not measured", &centered(label(TEXT, FAINT)), center)?;
+            continue;
+        };
+        image(root, layout, corner, map, cells)?;
+        root.draw(&hover(layout, corner, map, cells))?;
+    }
+    Ok(())
+}
+
+/// Whether there is one figure for each cell.
+fn fits(cells: &MapCells, map: &MapRow) -> bool {
+    let cells = cells.t_ulp_p99.len();
+    cells > 0 && cells == map.x.len() * map.y.len() && cells == map.hits.len()
+}
+
+/// Ticks at powers of ten; the vertical figures at the first image of a row alone.
+fn axes_of(root: &Area, map: &MapRow, layout: &Layout, (left, top): Pixel, figures: bool) -> Drawn {
+    let (width, height) = layout.size();
+    let (right, bottom) = (left + width, top + height);
+    root.draw(&Rectangle::new([(left - 1, top - 1), (right + 1, bottom + 1)], FAINT.stroke_width(1)))?;
+    let x_axis = LogAxis::of_cells(&map.x);
+    for &tick in &x_axis.ticks {
+        let x = left + (x_axis.position(tick) * f64::from(width)).round() as i32;
+        root.draw(&PathElement::new([(x, bottom + 1), (x, bottom + 5)], FAINT))?;
+        root.draw_text(&power(tick), &centered(label(0.9 * TEXT, INK)), (x, bottom + 13))?;
+    }
+    let y_axis = LogAxis::of_cells(&map.y);
+    for &tick in &y_axis.ticks {
+        let y = bottom - (y_axis.position(tick) * f64::from(height)).round() as i32;
+        root.draw(&PathElement::new([(left - 5, y), (left - 1, y)], FAINT))?;
+        if figures {
+            let style = label(0.9 * TEXT, INK).pos(Pos::new(HPos::Right, VPos::Center));
+            root.draw_text(&power(tick), &style, (left - 8, y))?;
+        }
+    }
+    Ok(())
+}
+
+/// A power of ten, as such unless it is short.
+fn power(tick: f64) -> String {
+    let exponent = tick.log10().round();
+    if (-2.0..=2.0).contains(&exponent) { severity(tick) } else { format!("1e{exponent}") }
+}
+
+fn image(root: &Area, layout: &Layout, (left, top): Pixel, map: &MapRow, cells: &MapCells) -> Drawn {
+    let bottom = top + layout.size().1;
+    let mut runs = runs(&map.hits, &cells.t_ulp_p99, layout.cells.0 as usize);
+    // What is of one class is written together.
+    runs.sort_by_key(|run| run.class);
+    let corners = |run: &Run| {
+        let bottom = bottom - run.row as i32 * layout.cell;
+        let [from, to] = [run.columns.start, run.columns.end].map(|column| left + column as i32 * layout.cell);
+        [(from, bottom - layout.cell), (to, bottom)]
+    };
+    runs.iter().try_for_each(|run| fill(root, corners(run), run.class))?;
+    runs.iter().try_for_each(|run| stripe(root, corners(run), run.class))
+}
+
+/// How many cells are of each class, and the figure of each.
+fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) -> Hover<'a> {
+    let classes: Vec<_> = map.hits.iter().zip(&cells.t_ulp_p99).map(|(&hits, &cell)| class(hits, cell)).collect();
+    let counts = (0..KINDS).map(|class| (classes.iter().filter(|&&of| of == class).count(), meaning(class)));
+    let counts: Vec<_> =
+        counts.filter(|&(cells, _)| cells > 0).map(|(cells, meaning)| format!("{meaning}: {cells}")).collect();
+    let figures = classes.iter().zip(&cells.t_ulp_p99).map(|(&class, cell)| match cell.filter(|_| class < KINDS - 1) {
+        Some(ulp) => ulp.to_string(),
+        None => meaning(class).replace(' ', "\u{a0}"),
+    });
+    let severities = |steps: &[f64]| steps.iter().map(|&step| severity(step)).collect::<Vec<_>>().join(" ");
+    Hover {
+        shape: Shape::Rectangle { corner, size: layout.size() },
+        of: vec![&cells.id],
+        title: format!("{}, 1 ray or 8, cells by the error of t: {}", cells.id, counts.join("; ")),
+        data: vec![
+            ("axes", format!("{}|{}", map.x_axis, map.y_axis)),
+            ("x", severities(&map.x)),
+            ("y", severities(&map.y)),
+            ("cells", figures.collect::<Vec<_>>().join(" ")),
+        ],
+    }
+}
+
+/// Cells of one class side by side.
+#[derive(Debug)]
+struct Run {
+    /// From the bottom.
+    row: usize,
+    columns: std::ops::Range<usize>,
+    class: usize,
+}
+
+/// The runs of a map that is `width` cells wide.
+fn runs(hits: &[u64], cells: &[Option<u64>], width: usize) -> Vec<Run> {
+    let mut runs = Vec::new();
+    for (row, (hits, cells)) in hits.chunks(width).zip(cells.chunks(width)).enumerate() {
+        let classes: Vec<usize> = hits.iter().zip(cells).map(|(&hits, &cell)| class(hits, cell)).collect();
+        let mut start = 0;
+        for run in classes.chunk_by(|a, b| a == b) {
+            let end = start + run.len();
+            runs.push(Run { row, columns: start..end, class: run[0] });
+            start = end;
+        }
+    }
+    runs
+}
+
+/// A rectangle in the colour of a class.
+fn fill(root: &Area, corners: [Pixel; 2], class: usize) -> Drawn {
+    root.draw(&Rectangle::new(corners, color(class).filled()))
+}
+
+/// What a class has besides a colour.
+fn stripe(root: &Area, [from, to]: [Pixel; 2], class: usize) -> Drawn {
+    if class == CLASSES.len() + 1 {
+        let y = (from.1 + to.1) / 2;
+        root.draw(&PathElement::new([(from.0, y), (to.0, y)], WHITE.mix(0.7)))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::figures::groups;
+    use crate::study::tests::fixture::record_of;
+
+    #[test]
+    fn runs_cover_every_cell_exactly_once_with_its_class() {
+        let record = record_of(&["triangle/cramer".into()]);
+        let (hits, cells, width) = (&record.maps[0].hits, &record.map_cells[0].t_ulp_p99, record.maps[0].x.len());
+        let mut covered = vec![None; cells.len()];
+        let runs = runs(hits, cells, width);
+        assert!(runs.len() < cells.len() / 2, "{} runs", runs.len());
+        for run in &runs {
+            for column in run.columns.clone() {
+                assert_eq!(covered[run.row * width + column].replace(run.class), None, "{run:?}");
+            }
+        }
+        let expected: Vec<_> = hits.iter().zip(cells).map(|(&hits, &cell)| Some(class(hits, cell))).collect();
+        assert_eq!(covered, expected);
+    }
+
+    #[test]
+    fn pointing_at_a_map_tells_all_of_its_cells() {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        record.map_cells[0].t_ulp_p99[..4].copy_from_slice(&[Some(7), Some(8), None, Some(123_456)]);
+        let (map, cells) = (&record.maps[0], &record.map_cells[0]);
+        let hover = hover(&Layout::new(map, 1, 200), (0, 0), map, cells);
+        let [(_, axes), (_, x), (_, y), (_, figures)] = &hover.data[..] else { panic!("four attributes") };
+        assert_eq!(axes.split('|').collect::<Vec<_>>(), [&map.x_axis, &map.y_axis]);
+        assert_eq!([x, y, figures].map(|list| list.split(' ').count()), [map.x.len(), map.y.len(), map.hits.len()]);
+        assert!(figures.starts_with("7 8 >\u{a0}1\u{a0}%\u{a0}missed 123456 "), "{figures}");
+        assert!(hover.title.starts_with("triangle/cramer, 1 ray or 8, cells by the error of t: 0 to 1 ulp: "));
+        // Those in which hardly any ray hits, whatever they say.
+        assert!(hover.title.ends_with("; hardly any hit: 3"), "{}", hover.title);
+    }
+
+    #[test]
+    fn classes_have_colours_and_meanings_of_their_own() {
+        let cells = [Some(0), Some(1), Some(2), Some(100), Some(101), Some(100_000), Some(100_001), None];
+        assert_eq!(cells.map(|cell| class(LEAST, cell)), [0, 0, 1, 2, 3, 5, 6, 7]);
+        assert_eq!(cells.map(|cell| class(LEAST - 1, cell)), [8; 8]);
+        for a in 0..KINDS {
+            assert!((0..a).all(|b| color(a) != color(b) && meaning(a) != meaning(b)), "{a}");
+        }
+    }
+
+    #[test]
+    fn misses_are_striped_in_a_colour_of_their_own() {
+        let mut record = record_of(&["triangle/cramer".into()]);
+        let chart = |record: &Record| {
+            let groups = groups(record);
+            svg(record, &groups[0], &record.maps.iter().filter(|map| map.family == "triangle").collect::<Vec<_>>())
+        };
+        for cells in &mut record.map_cells {
+            cells.t_ulp_p99.iter_mut().for_each(|cell| *cell = Some(u64::MAX));
+        }
+        let missed = |svg: &str| ["fill=\"#DE461E\"", "stroke=\"#FFF\" opacity"].map(|look| svg.matches(look).count());
+        assert_eq!(missed(&chart(&record)), [1, 1], "the legend");
+        record.map_cells[0].t_ulp_p99[5] = None;
+        let svg = chart(&record);
+        assert_eq!(missed(&svg), [2, 2]);
+        record.map_cells[0].t_ulp_p99.pop();
+        assert!(chart(&record).contains("not measured"), "a map of another size is none");
+    }
+}

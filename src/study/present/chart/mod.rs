@@ -1,0 +1,138 @@
+//! The charts, as SVG:
+//!
+//! - `speed_accuracy`: every kernel's speed against its error of `t` and against the rays it loses;
+//! - `packets`: what packets gain over scalar code, and their share of the machine's limit;
+//! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
+//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image;
+//! - `coherence`: the tracer's modes on rays that have ever less in common;
+//! - `scaling`: the cost of a ray in ever larger scenes;
+//! - `peers`: rays per second of this crate's tracer and others.
+//!
+//! plotters maps values to pixels and draws the axes. What must not overlap is placed here, in pixels,
+//! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
+
+mod axis;
+mod canvas;
+mod coherence;
+mod failure_map;
+mod file_names;
+mod hover;
+mod layout;
+mod look;
+mod packets;
+mod panel;
+mod peers;
+mod scaling;
+mod speed_accuracy;
+mod stability;
+mod svg;
+
+pub(crate) use file_names::{
+    COHERENCE, PACKETS, PEERS, SCALING, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES, failure_map_file, maps_of,
+    stability_file,
+};
+pub(crate) use svg::escaped;
+
+use crate::study::figures::{groups, groups_of_methods};
+use crate::study::record::Record;
+
+/// The file of a chart and what it contains.
+pub(crate) struct Chart {
+    pub(crate) file: String,
+    pub(crate) svg: String,
+}
+
+/// Every chart of a record.
+pub(crate) fn charts(record: &Record) -> Vec<Chart> {
+    let groups = groups(record);
+    let (bases, instances): (Vec<_>, Vec<_>) = groups.iter().partition(|group| group.is_base());
+    let mut charts = vec![Chart { file: SPEED_ACCURACY.into(), svg: speed_accuracy::overview(record, &bases) }];
+    if !instances.is_empty() {
+        charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::stacked(record, &instances) });
+    }
+    if groups.iter().any(|group| group.kernels.iter().any(|kernel| kernel.gain().is_some())) {
+        charts.push(Chart { file: PACKETS.into(), svg: packets::svg(record, &bases) });
+    }
+    for group in &groups_of_methods(record) {
+        for regime in record.regimes.iter().filter(|regime| regime.family == group.title) {
+            charts.push(Chart { file: stability_file(regime), svg: stability::svg(record, group, regime) });
+        }
+        let maps = maps_of(record, group);
+        if !maps.is_empty() {
+            charts.push(Chart { file: failure_map_file(group), svg: failure_map::svg(record, group, &maps) });
+        }
+    }
+    if !record.coherence.is_empty() {
+        charts.push(Chart { file: COHERENCE.into(), svg: coherence::svg(record) });
+    }
+    if !record.scaling.is_empty() {
+        charts.push(Chart { file: SCALING.into(), svg: scaling::svg(record) });
+    }
+    if !record.peers.is_empty() {
+        charts.push(Chart { file: PEERS.into(), svg: peers::svg(record) });
+    }
+    charts
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::study::figures::Group;
+    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
+
+    fn sound(chart: &Chart) {
+        let svg = &chart.svg;
+        assert!(!svg.contains("NaN") && !svg.contains("inf\"") && svg.contains("</svg>"), "{}", chart.file);
+        for limit in [i32::MAX, i32::MIN] {
+            assert!(!svg.contains(&limit.to_string()), "{}", chart.file);
+        }
+    }
+
+    #[test]
+    fn every_group_regime_and_map_has_a_chart_that_names_its_kernels() {
+        let record = record_of(&all_ids());
+        let charts = charts(&record);
+        let (groups, methods) = (groups(&record), groups_of_methods(&record));
+        let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
+        assert_eq!(charts.len(), 6 + record.regimes.len() + with_maps.len());
+        for chart in &charts {
+            sound(chart);
+            if [COHERENCE, SCALING, PEERS].contains(&chart.file.as_str()) {
+                continue; // of no kernels
+            }
+            let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
+            let shown: Vec<_> = match chart.file.as_str() {
+                SPEED_ACCURACY | PACKETS => groups.iter().filter(|group| group.is_base()).collect(),
+                SPEED_ACCURACY_INSTANCES => groups.iter().filter(|group| !group.is_base()).collect(),
+                file => {
+                    let is_for = |group: &&Group| {
+                        regime.map_or(file == failure_map_file(group), |regime| regime.family == group.title)
+                    };
+                    methods.iter().filter(is_for).collect()
+                }
+            };
+            let kernels: Vec<_> = shown.iter().flat_map(|group| &group.kernels).collect();
+            assert!(kernels.len() >= 3, "{}", chart.file);
+            for kernel in kernels {
+                assert!(chart.svg.contains(&format!(">{}<", kernel.name)), "{}: {}", chart.file, kernel.name);
+            }
+        }
+    }
+
+    #[test]
+    fn charts_depend_on_nothing_but_the_record() {
+        let svgs = || charts(&record_of(&all_ids())).into_iter().map(|chart| chart.svg).collect::<Vec<_>>();
+        assert!(svgs() == svgs());
+    }
+
+    #[test]
+    fn degenerate_records_have_charts() {
+        for record in degenerate_records() {
+            let charts = charts(&record);
+            assert!(!charts.is_empty());
+            charts.iter().for_each(sound);
+        }
+    }
+}

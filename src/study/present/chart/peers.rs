@@ -1,0 +1,101 @@
+//! `peers.svg`: how fast each tracer is on each set of rays, in its fastest configuration; ours in its automatic mode.
+
+use super::axis::LogAxis;
+use super::canvas::{canvas, header, header_height, machine};
+use super::layout::MARGIN;
+use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
+use crate::study::figures::number;
+use crate::study::figures::peers::fastest;
+use crate::study::measure::ray_sets::NAMES;
+use crate::study::record::{PeerRow, Record};
+
+const TITLE: &str = "Rays per second of raylanes and its peers: up is faster";
+
+/// Draws the one-thread figures, a panel for each scene.
+pub(super) fn svg(record: &Record) -> String {
+    let scenes: Vec<_> = record.peers.chunk_by(|a, b| a.scene == b.scene).collect();
+    let panels: Vec<_> = scenes.iter().map(|rows| panel(rows)).collect();
+    let (plot, width) = widths(panels.iter());
+    let remarks = [machine(record) + ", one thread"];
+    let top = header_height(width, TITLE, &remarks);
+    // Sets of rays have no distance from one another: places in equal ratios stand for them.
+    let places = NAMES.map(place);
+    canvas((width, top + stack_height(&panels) + MARGIN), |root| {
+        header(root, width, TITLE, &remarks)?;
+        let name = |&x: &f64| NAMES.into_iter().find(|name| place(name) == x);
+        let x = XAxis {
+            axis: LogAxis::through(&places),
+            title: "rays, from those that run alike to those that have little in common".into(),
+            tick: &|x| name(&x).unwrap_or_default().into(),
+        };
+        draw_stack(root, &panels, &x, top, plot)
+    })
+}
+
+/// Where a set of rays is on the axis.
+fn place(set: &str) -> f64 {
+    let number = NAMES.iter().position(|name| *name == set).unwrap_or(NAMES.len());
+    10f64.powi(number as i32)
+}
+
+fn panel(rows: &[PeerRow]) -> Panel<'_> {
+    let mut series: Vec<Series> = Vec::new();
+    for row in rows.chunk_by(|a, b| a.rays == b.rays).flat_map(fastest) {
+        let of_tracer = match series.iter().position(|series| series.name == row.tracer) {
+            Some(number) => &mut series[number],
+            None => series.push_mut(Series { id: &row.tracer, name: &row.tracer, marks: Vec::new() }),
+        };
+        if row.mrays_per_second > 0.0 && row.mrays_per_second.is_finite() {
+            // Steps that do not follow one another are not joined.
+            let step = 2 * of_tracer.marks.len();
+            let (x, value) = (place(&row.rays), row.mrays_per_second);
+            let says = format!(
+                "{}, {} rays: {} ± {} M rays/s",
+                row.configuration,
+                row.rays,
+                number(value, 3),
+                number(row.mrays_per_second_mad, 1)
+            );
+            of_tracer.marks.push(Mark { step, x, spread: None, value, bound: false, size: 6, says });
+        }
+    }
+    Panel {
+        title: format!("{}: million rays per second", rows[0].scene),
+        possible: 0.0..=f64::INFINITY,
+        threshold: None,
+        frontier: false,
+        series,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::record::{EMBREE, OURS};
+    use crate::study::tests::fixture::{peer_row, record_of};
+
+    #[test]
+    fn every_tracer_is_named_once_in_each_scene() {
+        let mut record = record_of(&["triangle/woop".into()]);
+        let mut rows = vec![
+            peer_row(OURS, "scalar", 1, &[2.0]),
+            peer_row(OURS, "auto", 1, &[20.0]),
+            peer_row(EMBREE, "fast", 1, &[10.0]),
+            peer_row(EMBREE, "robust", 1, &[9.0]),
+        ];
+        for set in NAMES.into_iter().skip(1) {
+            let of_set = |row: &PeerRow| PeerRow { rays: set.into(), ..row.clone() };
+            rows.extend(rows[..4].iter().map(of_set).collect::<Vec<_>>());
+        }
+        let elsewhere = |row: &PeerRow| PeerRow { scene: "terrain".into(), ..row.clone() };
+        rows.extend(rows.iter().map(elsewhere).collect::<Vec<_>>());
+        record.peers = rows;
+        let svg = svg(&record);
+        for (text, times) in [(OURS, 2), (EMBREE, 2), ("bounce", 1), ("ambient occlusion", 1)] {
+            assert_eq!(svg.matches(&format!(">{text}<")).count(), times, "{text}");
+        }
+        let panel = panel(&record.peers[..16]);
+        let marks: Vec<_> = panel.series.iter().map(|series| series.marks.iter().map(|mark| mark.value)).collect();
+        assert!(marks.into_iter().flatten().eq([20.0; 4].into_iter().chain([10.0; 4])));
+    }
+}

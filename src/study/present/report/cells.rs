@@ -1,0 +1,13 @@
+//! Cells that several tables have.
+
+use crate::study::figures::number;
+use crate::study::present::grid::Cell;
+
+pub(super) fn code(id: &str) -> Cell {
+    Cell::from(format!("`{id}`"))
+}
+
+/// A median ± its median absolute deviation.
+pub(super) fn with_mad(value: f64, mad: f64) -> String {
+    format!("{} ± {}", number(value, 3), number(mad, 1))
+}

@@ -1,0 +1,191 @@
+//! `report.html`: the report as one page that needs nothing else, no network either.
+
+use std::fmt::Write;
+
+use pulldown_cmark::html::push_html;
+use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
+
+use crate::study::present::chart::{Chart, escaped};
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+/// Nothing may be loaded, whatever a page says that was altered on its way.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+
+/// The page of a report in Markdown, with the charts that it shows in their places.
+pub(crate) fn report_html(markdown: &str, charts: &[Chart]) -> String {
+    let events: Vec<Event> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
+    let mut headings: Vec<Heading> = Vec::new();
+    let mut page = Vec::new();
+    let mut rest = events.into_iter();
+    while let Some(event) = rest.next() {
+        match event {
+            Event::Start(Tag::Heading { level, .. }) => {
+                let inner: Vec<_> =
+                    rest.by_ref().take_while(|event| !matches!(event, Event::End(TagEnd::Heading(_)))).collect();
+                let heading = Heading::new(level, &inner, &headings);
+                page.push(raw(format!("<{level} id=\"{}\">", heading.id)));
+                page.extend(inner);
+                page.push(raw(format!("</{level}>\n")));
+                headings.push(heading);
+            }
+            Event::Start(Tag::Image { dest_url, .. }) => {
+                let inner: Vec<_> =
+                    rest.by_ref().take_while(|event| !matches!(event, Event::End(TagEnd::Image))).collect();
+                page.push(Event::InlineHtml(figure(&dest_url, &text(&inner), charts).into()));
+            }
+            Event::Start(Tag::Table(_)) => page.extend([raw("<div class=\"table\" tabindex=\"0\">"), event]),
+            Event::End(TagEnd::Table) => page.extend([event, raw("</div>\n")]),
+            event => page.push(event),
+        }
+    }
+    let mut body = String::new();
+    push_html(&mut body, page.into_iter());
+    // Most cells are numbers: how they look is said once, in the style sheet.
+    let body = body.replace(" style=\"text-align: right\"", " class=\"n\"");
+    let title = headings.iter().find(|heading| heading.level == HeadingLevel::H1).map_or("", |heading| &heading.text);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{contents}<main>\n{body}</main>\n\
+         <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+        title = escaped(title),
+        contents = contents(&headings),
+    )
+}
+
+/// A heading that can be gone to.
+struct Heading {
+    level: HeadingLevel,
+    text: String,
+    /// Unique in the page.
+    id: String,
+}
+
+impl Heading {
+    fn new(level: HeadingLevel, inner: &[Event], others: &[Self]) -> Self {
+        let text = text(inner);
+        let words = text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
+        let slug = words.collect::<Vec<_>>().join("-").to_lowercase();
+        let is_free = |id: &String| others.iter().all(|other| other.id != *id);
+        let mut ids = [slug.clone()].into_iter().chain((2..).map(|number| format!("{slug}-{number}")));
+        let id = ids.find(is_free).expect("numbers do not end");
+        Self { level, text, id }
+    }
+}
+
+/// Sections and their parts.
+fn contents(headings: &[Heading]) -> String {
+    let mut html = "<nav><details open><summary>Contents</summary>\n<ol>\n".to_owned();
+    let listed: Vec<_> = headings.iter().filter(|heading| heading.level != HeadingLevel::H1).collect();
+    // A part before any section stands for itself.
+    for section in listed.chunk_by(|_, next| next.level != HeadingLevel::H2) {
+        let mut lines =
+            section.iter().map(|Heading { id, text, .. }| format!("<li><a href=\"#{id}\">{}</a>", escaped(text)));
+        html += &lines.next().unwrap_or_default();
+        let parts: String = lines.map(|line| line + "\n").collect();
+        if !parts.is_empty() {
+            write!(html, "\n<ol>\n{parts}</ol>").expect("a string takes whatever is written to it");
+        }
+        html.push('\n');
+    }
+    html + "</ol>\n</details></nav>\n"
+}
+
+/// A chart within the page; one that there is not is named.
+fn figure(file: &str, alt: &str, charts: &[Chart]) -> String {
+    let Some(svg) = charts.iter().find(|chart| chart.file == file).map(|chart| &chart.svg) else {
+        return escaped(alt);
+    };
+    format!(
+        "<span class=\"chart\">{}</span>",
+        svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", escaped(alt)), 1)
+    )
+}
+
+/// Text without markup.
+fn text(events: &[Event]) -> String {
+    let texts = events.iter().filter_map(|event| match event {
+        Event::Text(text) | Event::Code(text) | Event::InlineHtml(text) => Some(text.as_ref()),
+        Event::SoftBreak => Some(" "),
+        _ => None,
+    });
+    texts.collect()
+}
+
+fn raw<'a>(html: impl Into<CowStr<'a>>) -> Event<'a> {
+    Event::Html(html.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::present::chart::charts;
+    use crate::study::present::report::report_markdown;
+    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
+
+    fn page(record: &crate::study::record::Record) -> String {
+        report_html(&report_markdown(record), &charts(record))
+    }
+
+    #[test]
+    fn every_chart_is_within_the_page_once() {
+        let record = record_of(&all_ids());
+        let page = page(&record);
+        let charts = charts(&record);
+        assert_eq!(page.matches("<svg role=\"img\" aria-label=\"").count(), charts.len());
+        for chart in &charts {
+            let (_, drawn) = chart.svg.split_once('>').unwrap();
+            assert_eq!(page.matches(drawn).count(), 1, "{}", chart.file);
+        }
+        assert!(!page.contains("<img") && page.len() < 4_000_000, "{}", page.len());
+    }
+
+    #[test]
+    fn a_page_loads_nothing() {
+        let page = page(&record_of(&all_ids()));
+        // Names of namespaces are loaded by nobody.
+        let page = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for loading in [" src=", "<link", "@import", "url(", "fetch(", "XMLHttp", " href=\"http"] {
+            assert!(!page.contains(loading), "{loading}");
+        }
+        assert!(page.contains("content=\"default-src 'none';"));
+    }
+
+    #[test]
+    fn headings_are_gone_to_by_ids_of_their_own() {
+        let page = page(&record_of(&all_ids()));
+        let ids: Vec<_> = page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        assert!(ids.len() > 30);
+        for (i, id) in ids.iter().enumerate() {
+            assert!(!ids[..i].contains(id) && !id.is_empty(), "{id}");
+        }
+        for target in page.split("href=\"#").skip(1).filter_map(|rest| rest.split('"').next()) {
+            assert!(ids.contains(&target), "{target}");
+        }
+        // All but the title.
+        assert_eq!(page.matches("<a href=\"#").count(), ids.len() - 1);
+        let twice = report_html("# T\n\n### Part\n\n## Same `a`\n\n## Same a\n", &[]);
+        assert!(twice.contains("<h2 id=\"same-a\">") && twice.contains("<h2 id=\"same-a-2\">"), "{twice}");
+    }
+
+    #[test]
+    fn text_is_text() {
+        let page = report_html(
+            "# A & B\n\n| a | b |\n| --- | --: |\n| `x < y & <b>` | 1 |\n\n![\"<i>\"](x.svg)\n",
+            &[Chart { file: "x.svg".into(), svg: "<svg width=\"1\"></svg>".into() }],
+        );
+        assert!(page.contains("<title>A &amp; B</title>"));
+        assert!(page.contains("<code>x &lt; y &amp; &lt;b&gt;</code>"), "{page}");
+        assert!(page.contains("<svg role=\"img\" aria-label=\"&quot;&lt;i&gt;&quot;\" width=\"1\">"), "{page}");
+        assert!(page.contains("<td class=\"n\">1</td>"));
+    }
+
+    #[test]
+    fn degenerate_records_have_a_page() {
+        for record in degenerate_records() {
+            assert!(page(&record).ends_with("</html>\n"));
+        }
+    }
+}

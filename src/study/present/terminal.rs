@@ -1,0 +1,165 @@
+//! The record as text for a terminal.
+
+use super::grid::{Cell, Grid};
+use super::verdict::verdict;
+use crate::study::figures::tracer::{Traced, modes};
+use crate::study::figures::{
+    Figures, MISSING, count, groups, groups_of_methods, number, optional, percent, severity, thread_counts, times,
+};
+use crate::study::record::Record;
+
+/// The record in at most 110 columns for IDs of the usual length: instances of one kernel only, so that methods are
+/// compared, and the verdict last, where it is seen. `color` adds ANSI colours: the best of its group, and all that tie with it,
+/// green, lost rays red.
+pub fn terminal_table(record: &Record, color: bool) -> String {
+    let mut text = kernel_grid(record).terminal(color);
+    text += "\nns: nanoseconds per test of one ray against one primitive, one thread. gain: 1x1 over 8x1. Mt/s: million tests\n\
+             per second, 8x1. limit: what the machine takes at least, over 8x1. Green: the best, and what ties with it.\n\
+             lost: rays that exactly hit, reported to miss, per million, where that is worst; (< b): none was, 95 % bound.\n\
+             ulp: 99th percentile of the distance of t from the correctly rounded one, generic rays.\n";
+    if let Some(claims) = claims(record) {
+        text += &claims;
+    }
+    if !record.tracer.is_empty() {
+        text += "\n";
+        text += &tracer_grid(record).terminal(color);
+        text += "\nscalar, single, packet, auto: million rays per second, by number of threads. choice: auto over the faster of\n\
+                 single and packet. gain: auto over scalar. scaling: auto with several threads over one.\n";
+    }
+    let verdict = verdict(&groups(record));
+    if !verdict.is_empty() {
+        text += "\n";
+        // Emphasis is for Markdown.
+        text.extend(verdict.iter().map(|line| format!("- {}\n", line.replace(['*', '`'], ""))));
+    }
+    text
+}
+
+/// How many claims hold, and which do not.
+fn claims(record: &Record) -> Option<String> {
+    let (broken, kept): (Vec<_>, Vec<_>) =
+        record.claims.iter().filter(|row| row.claimed && row.of > 0).partition(|row| row.violations > 0);
+    let mut text = format!("claims: {} kept, {} broken\n", kept.len(), broken.len());
+    for row in &broken {
+        text += &format!("  BROKEN: {} is not {}: {} of {}\n", row.id, row.claim, count(row.violations), count(row.of));
+    }
+    (!broken.is_empty() || !kept.is_empty()).then_some(text)
+}
+
+/// The workload that most rays are lost in, where any is.
+fn lost_in(kernel: &Figures) -> String {
+    kernel.lost_in.map_or(String::new(), |row| match row.severity {
+        Some(step) => format!("{} {}", row.workload, severity(step)),
+        None => row.workload.clone(),
+    })
+}
+
+fn kernel_grid(record: &Record) -> Grid {
+    let threads = thread_counts(record.speed.iter().map(|row| row.threads));
+    let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain", "limit"]);
+    grid.header.extend(threads.iter().map(|threads| Cell::from(format!("Mt/s {threads}T"))));
+    grid.header.extend(["lost", "in", "ulp"].map(Cell::from));
+    for group in groups_of_methods(record) {
+        grid.rows.push(vec![Cell::from(group.heading())]);
+        let ulp = group.kernels.iter().filter_map(Figures::ulp).min();
+        for kernel in &group.kernels {
+            let mut row = vec![
+                Cell::from(format!("  {}", kernel.name)),
+                Cell::from(optional(kernel.ns("1x1"), 3)).best_if(group.is_among_the_fastest(kernel, "1x1")),
+                Cell::from(optional(kernel.ns("8x1"), 3)).best_if(group.is_among_the_fastest(kernel, "8x1")),
+                Cell::from(times(kernel.gain())),
+                Cell::from(percent(kernel.limit_share())),
+            ];
+            row.extend(threads.iter().map(|&threads| Cell::from(optional(kernel.mtests("8x1", threads), 3))));
+            row.push(
+                Cell::from(kernel.lost.map_or(MISSING.to_owned(), |lost| lost.to_string())).bad_if(kernel.loses()),
+            );
+            row.push(Cell::from(lost_in(kernel)));
+            row.push(Cell::from(kernel.ulp().map_or(MISSING.to_owned(), count)).best_if(kernel.ulp() == ulp));
+            grid.rows.push(row);
+        }
+    }
+    grid
+}
+
+fn tracer_grid(record: &Record) -> Grid {
+    let threads = thread_counts(record.tracer.iter().map(|row| row.threads).filter(|&threads| threads > 1));
+    let mut grid = Grid::new(1, ["scene, rays"]);
+    grid.header.extend(modes().map(|mode| Cell::from(format!("{mode} 1T"))));
+    grid.header.extend(["choice", "gain"].map(Cell::from));
+    for threads in &threads {
+        grid.header.extend([format!("auto {threads}T"), format!("scaling {threads}T")].map(Cell::from));
+    }
+    let mut heading = String::new();
+    for traced in Traced::all(record) {
+        let first = traced.first;
+        let scene = format!(
+            "{}: {} primitives, {} instances, built in {} s, {} bytes per primitive, {}",
+            first.scene,
+            count(first.triangles as u64),
+            count(first.instances as u64),
+            number(first.build_seconds, 2),
+            number(first.bytes_per_triangle, 3),
+            first.kernel
+        );
+        if scene != heading {
+            grid.rows.push(vec![Cell::from(scene.as_str())]);
+            heading = scene;
+        }
+        let mut row = vec![Cell::from(format!("  {}", first.rays))];
+        row.extend(modes().map(|mode| {
+            let row = traced.row(mode, 1);
+            Cell::from(optional(row.map(|row| row.mrays_per_second), 3))
+                .best_if(row.is_some_and(|row| traced.is_among_the_fastest(row)))
+        }));
+        row.extend([traced.choice(), traced.gain()].map(|ratio| Cell::from(times(ratio))));
+        for &threads in &threads {
+            let scaling = traced.scaling("auto", threads).map(|ratio| ratio.value);
+            row.extend([optional(traced.mrays("auto", threads), 3), times(scaling)].map(Cell::from));
+        }
+        grid.rows.push(row);
+    }
+    grid
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
+
+    #[test]
+    fn the_table_shows_every_kernel_in_few_columns() {
+        let record = record_of(&all_ids());
+        let plain = terminal_table(&record, false);
+        for group in groups_of_methods(&record) {
+            let section = plain.lines().skip_while(|line| *line != group.heading());
+            let names: Vec<_> = section.skip(1).map(|line| line.split_whitespace().next().unwrap_or("")).collect();
+            let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
+            assert!(names.starts_with(&expected), "{}: {names:?}", group.title);
+        }
+        assert!(plain.contains("0 (< 15)"), "a zero is shown as a bound");
+        let (tables, verdict) = plain.split_at(plain.find("\n- ").unwrap());
+        assert!(tables.lines().all(|line| line.chars().count() <= 110), "{plain}");
+        assert!(verdict.contains("- Triangles: woop_dop loses the fewest rays"), "{verdict}");
+        assert!(!plain.contains('\x1b'));
+    }
+
+    #[test]
+    fn colour_changes_nothing_but_colour() {
+        let record = record_of(&all_ids());
+        let mut colored = terminal_table(&record, true);
+        assert!(colored.contains("\x1b[31m51,200"), "lost rays are red");
+        for code in ["0", "1", "31", "32"] {
+            colored = colored.replace(&format!("\x1b[{code}m"), "");
+        }
+        assert_eq!(colored, terminal_table(&record, false));
+    }
+
+    #[test]
+    fn degenerate_records_have_a_table() {
+        for record in degenerate_records() {
+            let table = terminal_table(&record, false);
+            assert!(!table.contains("NaN") && !table.contains("inf"), "{table}");
+        }
+    }
+}

@@ -1,0 +1,510 @@
+//! Made-up records for the tests of tables, charts and report: plausible figures, with zeros, gaps and missing cells.
+
+use crate::study::figures::summary;
+use crate::study::measure::stats::{mad, median};
+use crate::study::measure::{coherence, ray_sets};
+use crate::study::record::{
+    AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, Disagreements, EMBREE, Machine, MapCells, MapRow, MethodRow, OURS,
+    OperationCounts, PeerRow, RateRow, Record, RegimeRow, SCHEMA, ScalingRow, SpeedRow, TracerRow,
+};
+use crate::tracer::Mode;
+
+const TRIANGLES: [&str; 9] = [
+    "cramer",
+    "moller_trumbore",
+    "kensler_shirley",
+    "baldwin_weber",
+    "pluecker",
+    "woop",
+    "woop_half_open",
+    "woop_dop",
+    "moller_trumbore_f64",
+];
+const QUADRICS: [&str; 4] = ["naive", "stable", "mixed", "f64"];
+const BOXES: [&str; 5] = ["division", "reciprocal", "sign_selected", "fused", "padded"];
+
+const METHODS: [(&str, &str); 7] = [
+    ("inverse", "triangle/moller_trumbore"),
+    ("f64", "triangle/moller_trumbore"),
+    ("baked", "triangle/moller_trumbore"),
+    ("inverse", "aabb/padded"),
+    ("f64", "aabb/padded"),
+    ("inverse", "quadric/stable"),
+    ("f64", "quadric/stable"),
+];
+
+/// The kernels of a full registry.
+pub(crate) fn all_ids() -> Vec<String> {
+    let bases = || {
+        let triangles = TRIANGLES.iter().map(|name| format!("triangle/{name}"));
+        let boxes = BOXES.iter().map(|name| format!("aabb/{name}"));
+        triangles.chain(boxes).chain(QUADRICS.iter().map(|name| format!("quadric/{name}")))
+    };
+    let instances = bases().map(|id| format!("instance/subtract_first/{id}"));
+    let methods = METHODS.iter().map(|(method, inner)| format!("instance/{method}/{inner}"));
+    bases().chain(instances).chain(methods).collect()
+}
+
+/// A record of the given kernels with plausible figures, differing from kernel to kernel.
+pub(crate) fn record_of(ids: &[String]) -> Record {
+    let mut record = Record {
+        schema: SCHEMA,
+        started_unix: 1_800_000_000,
+        seconds: 61.5,
+        quick: false,
+        seed: 1,
+        machine: Machine {
+            cpu: "Some CPU @ 3 GHz".into(),
+            processors: 2,
+            os: "linux".into(),
+            target: "x86_64-unknown-linux-gnu".into(),
+            target_features: ["avx2", "fma"].map(String::from).to_vec(),
+            rustc: "rustc 1.95.0".into(),
+            versions: ["raylanes 0.1.0", "glam 0.34.2"].map(String::from).to_vec(),
+        },
+        kernels: Vec::new(),
+        methods: Vec::new(),
+        rates: rates(),
+        absent: vec![AbsentRow { id: "triangle/elsewhere".into(), reason: "needs fused multiply-add".into() }],
+        speed: Vec::new(),
+        regimes: regimes(),
+        accuracy: Vec::new(),
+        claims: Vec::new(),
+        maps: maps(),
+        map_cells: Vec::new(),
+        tracer: tracer_rows(),
+        coherence: ["terrain:1e5", "room"].into_iter().flat_map(coherence_rows).collect(),
+        scaling: scaling_rows(),
+        peers: vec![
+            peer_row(OURS, "scalar", 1, &[2.4, 2.5, 2.6]),
+            peer_row(OURS, "auto", 1, &[20.0, 21.0, 23.0]),
+            peer_row(EMBREE, "robust, medium, 1 ray", 1, &[10.0, 11.0, 11.5]),
+        ],
+    };
+    for (i, id) in ids.iter().enumerate() {
+        add_kernel(&mut record, i, id);
+    }
+    record.kernels = summary::kernels(&record);
+    record
+}
+
+fn rates() -> Vec<RateRow> {
+    let rows = [
+        ("multiply", "f32", 0.14),
+        ("add", "f32", 0.14),
+        ("fused", "f32", 0.14),
+        ("divide", "f32", 0.8),
+        ("multiply and add", "f32", 0.08),
+        ("load", "f32", 0.14),
+        ("multiply", "f64", 0.28),
+        ("add", "f64", 0.28),
+        ("divide", "f64", 2.6),
+        ("multiply and add", "f64", 0.16),
+    ];
+    let row = |(operation, precision, ns): (&str, &str, f64)| RateRow {
+        operation: operation.into(),
+        precision: precision.into(),
+        ns_per_operation: ns,
+        ns_per_operation_mad: 0.01 * ns,
+        operations_per_second: 1e9 / ns,
+        samples: 15,
+    };
+    rows.map(row).into()
+}
+
+/// Two scenes, in which packets gain much, less, and nothing.
+fn tracer_rows() -> Vec<TracerRow> {
+    let mut rows = Vec::new();
+    for (scene, triangles, instances, slowness) in [("spheres", 81_920, 3, 1.0), ("forest:10000", 214_000, 10_001, 2.5)]
+    {
+        for (rays, gain) in ray_sets::NAMES.into_iter().zip([2.9, 2.5, 0.4, 0.9]) {
+            for (mode, mrays) in Mode::ALL.into_iter().zip([2.5, 6.25, 6.25 * gain, 6.2 * f64::max(gain, 1.0)]) {
+                for threads in [1, 2] {
+                    let mrays_per_second = mrays / slowness * if threads == 1 { 1.0 } else { 1.93 };
+                    rows.push(TracerRow {
+                        scene: scene.into(),
+                        triangles,
+                        instances,
+                        rays: rays.into(),
+                        ray_count: 1_048_576,
+                        hits: 700_000,
+                        mode: mode.name().into(),
+                        kernel: "triangle/woop".into(),
+                        threads,
+                        mrays_per_second,
+                        mrays_per_second_mad: 0.01 * mrays_per_second,
+                        build_seconds: 0.21,
+                        bytes_per_triangle: 132.5,
+                        checksum: "7357c0de".into(),
+                    });
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// Packets are fast until their rays part, about where the jitter is 0.1, and then slower than single rays; scalar rays are
+/// not counted.
+fn coherence_rows(scene: &str) -> Vec<CoherenceRow> {
+    let row = |(mode, jitter): (Mode, f64)| {
+        let parted = (jitter / 0.1).min(4.0);
+        let (mrays_per_second, nodes, tests, met) = match mode {
+            Mode::Scalar => (2.5 - 0.2 * parted, 0, 0, 0.0),
+            Mode::Single => (7.0 - 0.5 * parted, 12_000_000, 4_000_000, 0.6),
+            Mode::Packet => (20.0 / (1.0 + 2.0 * parted), 2_000_000, 8_000_000, 0.9 / (1.0 + parted)),
+            Mode::Auto => ((20.0 / (1.0 + 2.0 * parted)).max(6.8 - 0.5 * parted), 3_000_000, 7_000_000, 0.7),
+        };
+        CoherenceRow {
+            scene: scene.into(),
+            jitter,
+            mode: mode.name().into(),
+            kernel: "triangle/woop".into(),
+            ray_count: 1_048_576,
+            mrays_per_second,
+            mrays_per_second_mad: 0.01 * mrays_per_second,
+            nodes,
+            leaves: nodes / 3,
+            tests,
+            lanes: (8.0 * met * tests as f64) as u64,
+            checksum: format!("{:x}", jitter.to_bits()),
+        }
+    };
+    coherence::JITTERS.into_iter().flat_map(|jitter| Mode::ALL.map(|mode| (mode, jitter))).map(row).collect()
+}
+
+fn scaling_rows() -> Vec<ScalingRow> {
+    let sizes = [("terrain:1e4", 10_082), ("terrain:1e5", 100_352), ("terrain:1e6", 1_000_000)];
+    let row = |(step, scene, triangles, rays, ns): (usize, &str, usize, &str, f64)| ScalingRow {
+        scene: scene.into(),
+        triangles,
+        rays: rays.into(),
+        ray_count: 262_144,
+        hits: 200_000,
+        kernel: "triangle/woop".into(),
+        ns_per_ray: ns * 1.25f64.powi(step as i32),
+        ns_per_ray_mad: 0.01 * ns,
+        build_seconds: 3e-7 * triangles as f64,
+        bytes_per_triangle: 180.0 - step as f64,
+        checksum: format!("{triangles:x}"),
+    };
+    let cells = sizes.into_iter().enumerate().flat_map(|(step, (scene, triangles))| {
+        ray_sets::NAMES
+            .into_iter()
+            .zip([40.0, 50.0, 180.0, 120.0])
+            .map(move |(rays, ns)| (step, scene, triangles, rays, ns))
+    });
+    cells.map(row).collect()
+}
+
+/// A configuration of a tracer, with the throughput of its rounds.
+pub(crate) fn peer_row(tracer: &str, configuration: &str, threads: usize, mrays: &[f64]) -> PeerRow {
+    PeerRow {
+        scene: "spheres".into(),
+        triangles: 81_920,
+        rays: "primary".into(),
+        ray_count: 1_048_576,
+        hits: 700_000,
+        tracer: tracer.into(),
+        configuration: configuration.into(),
+        watertight: false,
+        threads,
+        mrays_per_second: median(mrays),
+        mrays_per_second_mad: mad(mrays),
+        mrays_of_rounds: mrays.to_vec(),
+        disagreements: Disagreements { only_first: 1, only_second: 2, ties: 30, other_primitive: 4 },
+        build_seconds: 0.21,
+        bytes_per_triangle: None,
+        checksum: "7357c0de".into(),
+    }
+}
+
+/// No rows but those of the kernels, regimes and maps; rows of zeros; and nothing at all.
+pub(crate) fn degenerate_records() -> [Record; 3] {
+    let mut bare = record_of(&all_ids());
+    bare.kernels.clear();
+    bare.speed.clear();
+    bare.rates.clear();
+    bare.accuracy.clear();
+    bare.claims.clear();
+    bare.map_cells.clear();
+    clear_tracer(&mut bare);
+    let mut zeros = record_of(&all_ids());
+    for row in &mut zeros.speed {
+        (row.ns_per_test, row.ns_per_test_mad, row.tests_per_second) = (0.0, 0.0, f64::INFINITY);
+    }
+    for row in &mut zeros.rates {
+        (row.ns_per_operation, row.ns_per_operation_mad, row.operations_per_second) = (0.0, 0.0, f64::INFINITY);
+    }
+    for row in &mut zeros.accuracy {
+        *row = zero_row(&row.id, &row.workload, row.severity);
+    }
+    for row in &mut zeros.claims {
+        (row.violations, row.of) = (0, 0);
+    }
+    for row in &mut zeros.tracer {
+        (row.mrays_per_second, row.mrays_per_second_mad, row.build_seconds, row.ray_count) = (0.0, 0.0, 0.0, 0);
+    }
+    for row in &mut zeros.coherence {
+        (row.mrays_per_second, row.mrays_per_second_mad, row.ray_count) = (0.0, 0.0, 0);
+        (row.nodes, row.leaves, row.tests, row.lanes) = (0, 0, 0, 0);
+    }
+    for row in &mut zeros.scaling {
+        (row.ns_per_ray, row.ns_per_ray_mad, row.build_seconds, row.triangles, row.ray_count) = (0.0, 0.0, 0.0, 0, 0);
+    }
+    zeros.kernels = summary::kernels(&zeros);
+    for map in &mut zeros.maps {
+        (map.x, map.y, map.hits) = (vec![1.0], Vec::new(), Vec::new());
+    }
+    for regime in &mut zeros.regimes {
+        regime.steps = vec![0.0];
+    }
+    let mut empty = record_of(&[]);
+    empty.absent.clear();
+    empty.regimes.clear();
+    empty.maps.clear();
+    clear_tracer(&mut empty);
+    [bare, zeros, empty]
+}
+
+fn clear_tracer(record: &mut Record) {
+    record.tracer.clear();
+    record.coherence.clear();
+    record.scaling.clear();
+    record.peers.clear();
+}
+
+fn regimes() -> Vec<RegimeRow> {
+    let tens = |from: i32, to: i32| -> Vec<f64> {
+        let exponents: Vec<i32> = if from < to { (from..=to).collect() } else { (to..=from).rev().collect() };
+        exponents.into_iter().map(|exponent| 10f64.powi(exponent)).collect()
+    };
+    let ending_in_zero = |mut steps: Vec<f64>| {
+        steps.push(0.0);
+        steps
+    };
+    let scale: Vec<f64> = (-5..=5).map(|step| 10f64.powi(3 * step)).collect();
+    let fans = [4.0, 16.0, 64.0, 256.0, 1024.0, 8192.0, 65_536.0].to_vec();
+    let rows: [(&str, &str, &str, Vec<f64>, bool); 23] = [
+        ("triangle", "grazing", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
+        ("triangle", "sliver", "length / height of the triangle", tens(1, 6), false),
+        ("triangle", "offset", "distance from the origin / size", tens(0, 6), false),
+        ("triangle", "distance", "length of the ray / size", tens(0, 5), false),
+        ("triangle", "ground", "size / distance of the hit", tens(0, 6), false),
+        ("triangle", "scale", "size of triangle and ray (units)", scale.clone(), false),
+        (
+            "triangle",
+            "shared_edge",
+            "distance of the aim from the edge / its length",
+            ending_in_zero(tens(-2, -8)),
+            true,
+        ),
+        ("triangle", "vertex_fan", "triangles around the vertex", fans, true),
+        ("triangle", "closed_mesh", "distance of the mesh from the origin / size", tens(0, 5), true),
+        ("aabb", "box_edge", "distance of the aim from the edge / size", ending_in_zero(tens(-2, -8)), false),
+        ("aabb", "box_corner", "distance of the aim from the corner / size", ending_in_zero(tens(-2, -8)), false),
+        ("aabb", "parallel", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
+        ("aabb", "flat", "thickness / size", ending_in_zero(tens(-1, -8)), false),
+        ("aabb", "inverted", "how far the bounds are swapped / size", tens(-6, 0), false),
+        ("aabb", "offset", "distance from the origin / size", tens(0, 6), false),
+        ("aabb", "distance", "length of the ray / size", tens(0, 5), false),
+        ("aabb", "scale", "size of box and ray (units)", scale.clone(), false),
+        ("quadric", "afar", "length of the ray / radius", tens(1, 6), false),
+        ("quadric", "tangent", "distance from the silhouette / radius", tens(-1, -7), false),
+        ("quadric", "scale", "size of quadric and ray (units)", scale, false),
+        ("instance of triangle", "translation", "distance from the origin / size", tens(0, 6), false),
+        ("instance of aabb", "translation", "distance from the origin / size", tens(0, 6), false),
+        ("instance of quadric", "translation", "distance from the origin / size", tens(0, 6), false),
+    ];
+    let row = |(family, name, axis, steps, mesh): (&str, &str, &str, Vec<f64>, bool)| RegimeRow {
+        family: family.into(),
+        name: name.into(),
+        about: format!(
+            "Rays aimed into and closely past one primitive, ever harder by the {axis}: look for the step from which on \
+             a kernel is wrong."
+        ),
+        axis: axis.into(),
+        steps,
+        mesh,
+    };
+    rows.map(row).into()
+}
+
+fn maps() -> Vec<MapRow> {
+    let severities = |n: i32, decades: f64| (0..n).map(move |i| 10f64.powf(f64::from(i) * decades / f64::from(n - 1)));
+    let map = |family: &str, name: &str, x_axis: &str, y_axis: &str| MapRow {
+        family: family.into(),
+        name: name.into(),
+        x_axis: x_axis.into(),
+        x: severities(19, 6.0).collect(),
+        y_axis: y_axis.into(),
+        y: severities(16, 5.0).collect(),
+        hits: (0..19 * 16).map(|cell| if cell > 300 { 99 } else { 1024 }).collect(),
+    };
+    vec![
+        map("triangle", "offset-aspect", "distance from the origin / size", "length / height of the triangle"),
+        map("triangle", "distance-grazing", "length of the ray / size", "1 / angle to the plane (1/rad)"),
+        map("quadric", "distance-silhouette", "length of the ray / radius", "distance from the silhouette / radius"),
+        map("aabb", "offset-distance", "distance from the origin / size", "length of the ray / size"),
+        map("instance of triangle", "translation-shear", "distance from the origin / size", "condition number"),
+    ]
+}
+
+fn add_kernel(record: &mut Record, i: usize, id: &str) {
+    let mesh = id.contains("triangle");
+    record.methods.push(MethodRow {
+        id: id.into(),
+        family: id.split('/').next().unwrap_or_default().into(),
+        idea: format!("idea {i}"),
+        source: "Author, \"Title\", 2000".into(),
+        operations: OperationCounts {
+            mul: 27,
+            add: 18,
+            compare: 7,
+            div: 1,
+            fused: 0,
+            reads: 9,
+            mul_f64: if id.contains("f64") { 27 } else { 0 },
+            add_f64: 0,
+            compare_f64: 0,
+            div_f64: 0,
+        },
+        prepared_bytes: 36,
+        setup_bytes: 12,
+        setup_ns: 1.5,
+        setup_ns_packet: 0.25,
+        claims: if i.is_multiple_of(2) { vec![claims_of(id)[0].into()] } else { Vec::new() },
+    });
+    let ns = 6.0 * (1.0 + 0.37 * (i % 7) as f64 + 0.05 * i as f64);
+    for (face, ns) in [("1x1", ns), ("8x1", ns / (5.1 + 0.3 * (i % 5) as f64)), ("1x8", ns / 5.2)] {
+        for threads in [1, 2] {
+            let ns_per_test = ns / (0.95 * threads as f64);
+            record.speed.push(SpeedRow {
+                id: id.into(),
+                face: face.into(),
+                threads,
+                ns_per_test,
+                ns_per_test_mad: 0.012 * ns_per_test,
+                tests_per_second: 1e9 / ns_per_test,
+                samples: 15,
+                hit_share: if face == "1x1" { 0.11 } else { 0.57 },
+                checksum: format!("{i:016x}"),
+            });
+        }
+    }
+    for (workload, rays) in [("generic", 1_000_000), ("edge", 200_000)] {
+        let edge = workload == "edge";
+        let lost = if edge { [0.0, 51_234.0, 3.5, 840.0][i % 4] } else { 0.0 };
+        record.accuracy.push(AccuracyRow {
+            rays,
+            tests: 8 * rays,
+            exact_hits: rays / 4,
+            exact_misses: rays / 4,
+            false_miss_per_million: lost,
+            boundary_none: if edge { 100 * (i as u64 % 4) } else { 0 },
+            boundary_one: if edge { rays / 2 } else { 0 },
+            mesh_hits: if edge && mesh { rays } else { 0 },
+            leak_per_million: lost,
+            single_hits: if edge && mesh { rays / 4 } else { 0 },
+            agreed_hits: 45_000,
+            t_ulp_p99: [2, 4, 0, 44_000, 3][i % 5],
+            t_ulp_max: 1 << 20,
+            uv_error_p99: 1.3e-7,
+            uv_error_max: 2.5e-3,
+            ..zero_row(id, workload, None)
+        });
+    }
+    for (claim, violations) in claims_of(id).iter().zip([i as u64 % 3, 0, 17]) {
+        let claimed = i.is_multiple_of(2) && *claim == claims_of(id)[0];
+        let violations = if claimed && i != 4 { 0 } else { violations };
+        record.claims.push(ClaimRow { id: id.into(), claim: (*claim).into(), claimed, violations, of: 100_000 });
+    }
+    let family = id.rsplit('/').nth(1).unwrap_or_default();
+    let family = if id.starts_with("instance") { format!("instance of {family}") } else { family.into() };
+    for regime in record.regimes.iter().filter(|regime| regime.family == family) {
+        let rows = regime.steps.iter().enumerate().map(|(step, _)| regime_row(regime, i, id, step));
+        record.accuracy.extend(rows);
+    }
+    for map in record.maps.iter().filter(|map| map.family == family) {
+        record.map_cells.push(map_cells(map, i, id));
+    }
+}
+
+fn claims_of(id: &str) -> &'static [&'static str] {
+    match id.rsplit('/').nth(1) {
+        Some("triangle") => &["edge-watertight", "vertex-watertight", "single-hit"],
+        Some("quadric") => &["right-decision", "no-gross-error"],
+        _ => &["conservative"],
+    }
+}
+
+/// Errors that grow tenfold with each step from a step on that differs among kernels; every fourth kernel never errs.
+/// The scale fails at both ends.
+fn regime_row(regime: &RegimeRow, i: usize, id: &str, step: usize) -> AccuracyRow {
+    let last = regime.steps.len() - 1;
+    let hardness = if regime.name == "scale" { (2 * step).abs_diff(last) } else { step };
+    let beyond = hardness as f64 - (1.5 + (i % 4) as f64 + 0.1 * i as f64);
+    let rate = if i % 4 == 3 || beyond < 0.0 { 0.0 } else { (30.0 * 8f64.powf(beyond)).min(4e5) };
+    let rays = 20_000;
+    // A whole number of events.
+    let rate = (rate * rays as f64 / 1e6).floor() / rays as f64 * 1e6;
+    let mesh = regime.mesh;
+    // Where all is lost, there is no error of t.
+    let agreed_hits = if i % 4 == 2 && step == last { 0 } else { 9_000 };
+    AccuracyRow {
+        rays,
+        tests: rays,
+        exact_hits: 10_000,
+        exact_misses: 9_000,
+        false_miss_per_million: rate,
+        false_hit_per_million: rate / 3.0,
+        boundary_none: if rate > 1e4 { 20 } else { 0 },
+        boundary_one: 100,
+        mesh_hits: if mesh { rays } else { 0 },
+        leak_per_million: if mesh && i != 1 { rate / 7.0 } else { 0.0 },
+        single_hits: if mesh { rays / 2 } else { 0 },
+        double_per_million: if mesh && i % 3 == 1 { rate / 9.0 } else { 0.0 },
+        agreed_hits,
+        t_ulp_p99: if agreed_hits == 0 || i == 8 { 0 } else { (2.0 * 9f64.powf(beyond.max(0.0))) as u64 },
+        ..zero_row(id, &regime.name, Some(regime.steps[step]))
+    }
+}
+
+/// Errors that grow along both axes, as fast as suits the kernel, up to misses.
+fn map_cells(map: &MapRow, i: usize, id: &str) -> MapCells {
+    let cell = |(x, y): (f64, f64)| {
+        let power = x.log10() * (0.3 + 0.12 * (i % 5) as f64) + y.log10() * (0.2 + 0.15 * (i % 4) as f64);
+        (power < 4.5).then(|| (10f64.powf(1.5 * power - 0.5)) as u64)
+    };
+    let cells = map.y.iter().flat_map(|&y| map.x.iter().map(move |&x| (x, y)));
+    MapCells { id: id.into(), map: map.name.clone(), t_ulp_p99: cells.map(cell).collect() }
+}
+
+/// A row without a single ray.
+fn zero_row(id: &str, workload: &str, severity: Option<f64>) -> AccuracyRow {
+    AccuracyRow {
+        id: id.into(),
+        workload: workload.into(),
+        severity,
+        rays: 0,
+        tests: 0,
+        exact_hits: 0,
+        exact_misses: 0,
+        false_miss_per_million: 0.0,
+        false_hit_per_million: 0.0,
+        boundary_none: 0,
+        boundary_one: 0,
+        boundary_many: 0,
+        mesh_hits: 0,
+        leak_per_million: 0.0,
+        single_hits: 0,
+        double_per_million: 0.0,
+        agreed_hits: 0,
+        t_ulp_p50: 0,
+        t_ulp_p99: 0,
+        t_ulp_max: 0,
+        gross_per_million: 0.0,
+        uv_error_p99: 0.0,
+        uv_error_max: 0.0,
+    }
+}
