@@ -3,7 +3,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::tree::Leaf;
+use super::leaf::Leaf;
 use crate::geom::Aabb;
 use crate::geom::lanes::Vec3x8;
 use crate::kernels::aabb::Slabs;

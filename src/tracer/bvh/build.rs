@@ -8,7 +8,8 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use super::boxes::Boxes;
 use super::collapse::{Collapse, Costs, slots};
-use super::tree::{Bvh, Child, Leaf, Node};
+use super::leaf::Leaf;
+use super::tree::{Bvh, Child, Node};
 use crate::geom::Aabb;
 
 /// The box of an item, moved and scaled into the unit cube. obvhs computes areas in `f32` and panics where they

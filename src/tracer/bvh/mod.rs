@@ -4,7 +4,9 @@ pub(crate) mod box_rule;
 mod boxes;
 mod build;
 mod collapse;
+mod leaf;
 mod tree;
 
 pub(crate) use boxes::Boxes;
-pub(crate) use tree::{Bvh, Child, Leaf, Node};
+pub(crate) use leaf::Leaf;
+pub(crate) use tree::{Bvh, Child, Node};

@@ -4,6 +4,7 @@
 //! whole items. There are no spatial splits: a clipped box could cull a candidate that counts (see `ARCHITECTURE.md`).
 
 use super::boxes::Boxes;
+use super::leaf::Leaf;
 use crate::geom::Aabb;
 
 /// A slot of a node: an inner node or a leaf.
@@ -35,25 +36,6 @@ impl Child {
 pub(crate) struct Node {
     pub(crate) boxes: Boxes,
     pub(crate) children: [Child; 8],
-}
-
-/// A leaf: the numbers of up to eight items. Unused slots come last and hold [`Leaf::NONE`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Leaf(pub(crate) [u32; 8]);
-
-impl Leaf {
-    pub(crate) const NONE: u32 = u32::MAX;
-
-    /// The items in the used slots.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = u32> {
-        self.0.into_iter().take_while(|&item| item != Self::NONE)
-    }
-
-    /// Number of used slots.
-    #[inline(always)]
-    pub(crate) fn len(&self) -> usize {
-        self.0.iter().filter(|&&item| item != Self::NONE).count()
-    }
 }
 
 /// A tree over items.
