@@ -60,16 +60,26 @@ impl Intersect<f32> for Division<f32> {
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         let mut ordered = true;
         for axis in 0..3 {
             let (o, d) = (ray.origin[axis], ray.dir[axis]);
+
+            // Choose the near and the far plane by the sign of the direction.
             let (near, far) = if d >= 0.0 { (lo[axis], hi[axis]) } else { (hi[axis], lo[axis]) };
+
+            // Compute the distances to both planes.
             let (t_near, t_far) = ((near - o) / d, (far - o) / d);
+
+            // Cut the interval, and remember whether a distance is NaN.
             entry = if t_near > entry { t_near } else { entry };
             exit = if t_far < exit { t_far } else { exit };
             ordered &= !t_near.is_nan() & !t_far.is_nan();
         }
+
+        // Test that the interval is not empty and that no distance is NaN.
         Hit::<f32>::select(ordered & (entry <= exit), entry, exit, 0.0)
     }
 }
@@ -85,6 +95,8 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Division { slabs: Slabs { lo, hi } } = self.widen();
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         let mut ordered = Mask8::all_lanes();
         for (lo, hi, o, d) in [
@@ -92,13 +104,20 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
             (lo.y, hi.y, ray.origin.y, ray.dir.y),
             (lo.z, hi.z, ray.origin.z, ray.dir.z),
         ] {
+            // Choose the near and the far plane by the sign of the direction.
             let forward = ge8(d, f32x8::ZERO);
             let (near, far) = (forward.select(lo, hi), forward.select(hi, lo));
+
+            // Compute the distances to both planes.
             let (t_near, t_far) = ((near - o) / d, (far - o) / d);
+
+            // Cut the interval, and remember whether a distance is NaN.
             entry = gt8(t_near, entry).select(t_near, entry);
             exit = lt8(t_far, exit).select(t_far, exit);
             ordered = ordered & eq8(t_near, t_near) & eq8(t_far, t_far);
         }
+
+        // Test that the interval is not empty and that no distance is NaN.
         Hit::<f32x8>::candidate(ordered & le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -71,7 +71,10 @@ impl Intersect<f32> for Fused<f32> {
     #[inline(always)]
     fn setup(ray: &Ray<f32>) -> Self::Setup {
         let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32>::of(ray);
+        // Compute -origin·inv_dir.
         let [x, y, z] = [0, 1, 2].map(|axis| -(ray.origin[axis] * inv_dir[axis]));
+
+        // Make the interval empty if no slab can cut it.
         let usable = (x.abs() < f32::INFINITY) | (y.abs() < f32::INFINITY) | (z.abs() < f32::INFINITY);
         let t_max = if usable { t_max } else { f32::NAN };
         Offset { inv_dir, offset: Vec3::new(x, y, z), t_min, t_max }
@@ -80,13 +83,20 @@ impl Intersect<f32> for Fused<f32> {
     #[inline(always)]
     fn candidate(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
             let (lo, hi, inv, offset) = (lo[axis], hi[axis], setup.inv_dir[axis], setup.offset[axis]);
+            // Choose the near and the far plane by the sign bit.
             let (near, far) = if sign_bit(inv) { (hi, lo) } else { (lo, hi) };
+
+            // Cut the interval at the distances to both planes. A NaN drops out.
             entry = max(mul_add(near, inv, offset), entry);
             exit = min(mul_add(far, inv, offset), exit);
         }
+
+        // Test that the interval is not empty.
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -97,8 +107,11 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
     #[inline(always)]
     fn setup(ray: &Ray<f32x8>) -> Self::Setup {
         let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32x8>::of(ray);
+        // Compute -origin·inv_dir.
         let offset =
             Vec3x8 { x: -(ray.origin.x * inv_dir.x), y: -(ray.origin.y * inv_dir.y), z: -(ray.origin.z * inv_dir.z) };
+
+        // Make the interval empty if no slab can cut it.
         let finite = |x: f32x8| lt8(x.abs(), f32x8::splat(f32::INFINITY));
         let usable = finite(offset.x) | finite(offset.y) | finite(offset.z);
         let t_max = usable.select(t_max, f32x8::splat(f32::NAN));
@@ -108,17 +121,24 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
     #[inline(always)]
     fn candidate(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Fused { slabs: Slabs { lo, hi } } = self.widen();
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, inv, offset) in [
             (lo.x, hi.x, setup.inv_dir.x, setup.offset.x),
             (lo.y, hi.y, setup.inv_dir.y, setup.offset.y),
             (lo.z, hi.z, setup.inv_dir.z, setup.offset.z),
         ] {
+            // Choose the near and the far plane by the sign bit.
             let negative = sign_bit8(inv);
             let (near, far) = (negative.select(hi, lo), negative.select(lo, hi));
+
+            // Cut the interval at the distances to both planes. A NaN drops out.
             entry = max8(mul_add8(near, inv, offset), entry);
             exit = min8(mul_add8(far, inv, offset), exit);
         }
+
+        // Test that the interval is not empty.
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -130,11 +130,17 @@ impl Interval<f32x8> {
 /// one never has a later entry nor an earlier exit. The tracer's guarantee rests on that.
 #[inline(always)]
 pub(crate) fn slab_interval(slabs: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> (f32, f32) {
+    // Start with the ray's interval.
     let (mut entry, mut exit) = (setup.t_min, setup.t_max);
     for axis in 0..3 {
         let (lo, hi, inv) = (slabs.lo[axis], slabs.hi[axis], setup.inv_dir[axis]);
+        // Choose the near and the far plane by the sign bit.
         let (near, far) = if sign_bit(inv) { (hi, lo) } else { (lo, hi) };
+
+        // Compute the distances to both planes.
         let (t_near, t_far) = ((near - origin[axis]) * inv, (far - origin[axis]) * inv);
+
+        // Cut the interval. A NaN drops out.
         entry = max(t_near, entry);
         exit = min(t_far, exit);
     }
@@ -144,15 +150,21 @@ pub(crate) fn slab_interval(slabs: &Slabs<f32>, origin: Vec3, setup: &InverseDir
 /// [`slab_interval`] in eight lanes.
 #[inline(always)]
 pub(crate) fn slab_interval8(slabs: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> (f32x8, f32x8) {
+    // Start with the ray's interval.
     let (mut entry, mut exit) = (setup.t_min, setup.t_max);
     for (lo, hi, origin, inv) in [
         (slabs.lo.x, slabs.hi.x, origin.x, setup.inv_dir.x),
         (slabs.lo.y, slabs.hi.y, origin.y, setup.inv_dir.y),
         (slabs.lo.z, slabs.hi.z, origin.z, setup.inv_dir.z),
     ] {
+        // Choose the near and the far plane by the sign bit.
         let negative = sign_bit8(inv);
         let (near, far) = (negative.select(hi, lo), negative.select(lo, hi));
+
+        // Compute the distances to both planes.
         let (t_near, t_far) = ((near - origin) * inv, (far - origin) * inv);
+
+        // Cut the interval. A NaN drops out.
         entry = max8(t_near, entry);
         exit = min8(t_far, exit);
     }

@@ -80,8 +80,13 @@ impl Intersect<f32> for Padded<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs } = self;
 
+        // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval(slabs, ray.origin, setup);
+
+        // Move the exit out by the error bound.
         let exit = pad(exit, setup.t_max);
+
+        // Test that the interval is not empty.
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -98,8 +103,13 @@ impl<P: Lanes> Intersect<f32x8> for Padded<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Padded { slabs } = self.widen();
 
+        // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval8(&slabs, ray.origin, setup);
+
+        // Move the exit out by the error bound.
         let exit = pad8(exit, setup.t_max);
+
+        // Test that the interval is not empty.
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

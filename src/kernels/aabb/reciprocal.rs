@@ -61,20 +61,27 @@ impl Intersect<f32> for Reciprocal<f32> {
     #[inline(always)]
     fn setup(ray: &Ray<f32>) -> Self::Setup {
         let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32>::of(ray);
-        // A finite interval, so that it does not reach the empty box at infinity.
+        // Make the interval finite. It must not reach an empty box, which is stored at infinity.
         InverseDirection { inv_dir, t_min: max(f32::MIN, t_min), t_max: min(f32::MAX, t_max) }
     }
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
             let (o, inv) = (ray.origin[axis], setup.inv_dir[axis]);
+            // Compute the distances to both planes.
             let (t_lo, t_hi) = ((lo[axis] - o) * inv, (hi[axis] - o) * inv);
+
+            // Cut the interval. A NaN in it must stay, so it comes second.
             entry = max(min(t_lo, t_hi), entry);
             exit = min(max(t_lo, t_hi), exit);
         }
+
+        // Test that the interval is not empty.
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -85,6 +92,7 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
     #[inline(always)]
     fn setup(ray: &Ray<f32x8>) -> Self::Setup {
         let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32x8>::of(ray);
+        // Make the interval finite. It must not reach an empty box, which is stored at infinity.
         let [least, greatest] = [f32::MIN, f32::MAX].map(f32x8::splat);
         InverseDirection { inv_dir, t_min: max8(least, t_min), t_max: min8(greatest, t_max) }
     }
@@ -92,16 +100,23 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Reciprocal { slabs: Slabs { lo, hi } } = self.widen();
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, o, inv) in [
             (lo.x, hi.x, ray.origin.x, setup.inv_dir.x),
             (lo.y, hi.y, ray.origin.y, setup.inv_dir.y),
             (lo.z, hi.z, ray.origin.z, setup.inv_dir.z),
         ] {
+            // Compute the distances to both planes.
             let (t_lo, t_hi) = ((lo - o) * inv, (hi - o) * inv);
+
+            // Cut the interval. A NaN in it must stay, so it comes second.
             entry = max8(min8(t_lo, t_hi), entry);
             exit = min8(max8(t_lo, t_hi), exit);
         }
+
+        // Test that the interval is not empty.
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -58,7 +58,10 @@ impl Intersect<f32> for SignSelected<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs } = self;
 
+        // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval(slabs, ray.origin, setup);
+
+        // Test that the interval is not empty.
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -75,7 +78,10 @@ impl<P: Lanes> Intersect<f32x8> for SignSelected<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let SignSelected { slabs } = self.widen();
 
+        // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval8(&slabs, ray.origin, setup);
+
+        // Test that the interval is not empty.
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -36,9 +36,11 @@ pub struct SubtractFirstF64<V> {
 impl RayTransform<f32> for SubtractFirstF64<DVec3> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
-        let [x, y, z] = self.inverse;
+        let Self { inverse: [x, y, z], translation } = *self;
         let apply = |v: DVec3| ((x * v.x + y * v.y) + z * v.z).as_vec3();
-        let origin = ray.origin.as_dvec3() - self.translation;
+
+        // Subtract the translation, then transform origin and direction. The interval stays.
+        let origin = ray.origin.as_dvec3() - translation;
         Ray { origin: apply(origin), dir: apply(ray.dir.as_dvec3()), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
@@ -46,10 +48,12 @@ impl RayTransform<f32> for SubtractFirstF64<DVec3> {
 impl RayTransform<f32x8> for SubtractFirstF64<[f64x8; 3]> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
-        let [x, y, z] = self.inverse;
+        let Self { inverse: [x, y, z], translation: [tx, ty, tz] } = *self;
         let row = |axis: usize, v: [f64x8; 3]| to_f32x8((x[axis] * v[0] + y[axis] * v[1]) + z[axis] * v[2]);
         let apply = |v: [f64x8; 3]| Vec3x8 { x: row(0, v), y: row(1, v), z: row(2, v) };
-        let ([ox, oy, oz], [tx, ty, tz]) = (double8(ray.origin), self.translation);
+
+        // Subtract the translation, then transform origin and direction. The interval stays.
+        let [ox, oy, oz] = double8(ray.origin);
         let origin = [ox - tx, oy - ty, oz - tz];
         Ray { origin: apply(origin), dir: apply(double8(ray.dir)), t_min: ray.t_min, t_max: ray.t_max }
     }

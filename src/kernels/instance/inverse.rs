@@ -37,6 +37,7 @@ impl RayTransform<f32> for Inverse<f32> {
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
         let Self { linear, translation } = self;
 
+        // Transform origin and direction. The interval stays.
         let origin = linear.apply(ray.origin) + translation;
         Ray { origin, dir: linear.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
@@ -47,6 +48,7 @@ impl<P: Lanes> RayTransform<f32x8> for Inverse<P> {
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
         let Inverse { linear, translation } = self.widen();
 
+        // Transform origin and direction. The interval stays.
         let origin = linear.apply(ray.origin) + translation;
         Ray { origin, dir: linear.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }

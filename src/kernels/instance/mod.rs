@@ -164,13 +164,19 @@ impl<L: Lanes, T: Intersect<L>, W: RayTransform<L>> Intersect<L> for Instance<T,
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<L>, (): &()) -> Hit<L> {
+        // Transform the ray into the object's space.
         let ray = self.world_to_object.ray_to_object(ray);
+
+        // Test the object there.
         self.object.candidate(&ray, &T::setup(&ray))
     }
 
     #[inline(always)]
     fn any_hit(&self, ray: &Ray<L>, (): &()) -> L::Mask {
+        // Transform the ray into the object's space.
         let ray = self.world_to_object.ray_to_object(ray);
+
+        // Test the object there.
         self.object.any_hit(&ray, &T::setup(&ray))
     }
 }

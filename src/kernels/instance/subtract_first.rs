@@ -67,6 +67,7 @@ impl RayTransform<f32> for SubtractFirst<f32> {
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
         let Self { inverse, translation, .. } = self;
 
+        // Subtract the translation, then transform origin and direction. The interval stays.
         let origin = inverse.apply(ray.origin - translation);
         Ray { origin, dir: inverse.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
@@ -77,6 +78,7 @@ impl<P: Lanes> RayTransform<f32x8> for SubtractFirst<P> {
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
         let SubtractFirst { inverse, translation, .. } = self.widen();
 
+        // Subtract the translation, then transform origin and direction. The interval stays.
         let origin = inverse.apply(ray.origin - translation);
         Ray { origin, dir: inverse.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }

@@ -91,19 +91,26 @@ impl Intersect<f32> for QuadricF64<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
         let Self { form, clip } = self;
 
+        // Find where the ray runs through the box.
         let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
+
+        // Move the origin to the box if it is outside. Go on in f64.
         let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
         let moved = f64::from(interval.start(ray.origin, setup.to_closest));
         let p = o + d * moved;
 
+        // Evaluate the polynomial there.
         let g = form.half_gradient_f64(p);
         let a = form.curvature_f64(d);
         let b = d.dot(g);
         let c = p.dot(g + form.linear.as_dvec3()) + f64::from(form.constant);
+
+        // Solve it.
         let root = sqrt_f64(b * b - a * c);
         let q = -(b + if b.is_sign_negative() { -root } else { root });
         let (t0, t1) = (moved + q / a, moved + c / q);
 
+        // Test both roots against the interval and the box, and take the nearer one.
         let (lo, hi) = (clip.lo.as_dvec3(), clip.hi.as_dvec3());
         let counts = |t: f64| {
             let p = o + d * t;
@@ -114,6 +121,8 @@ impl Intersect<f32> for QuadricF64<f32> {
         };
         let (first, second) = (counts(t0), counts(t1));
         let t = (if first & (!second | (t0 < t1)) { t0 } else { t1 }) as f32;
+
+        // Test that t is finite and that the box is hit at all.
         let in_range = (t.abs() < f32::INFINITY) & (interval.entry <= interval.exit);
         Hit::<f32>::new((first | second) & in_range, interval.report(t), 0.0, 0.0)
     }
@@ -131,24 +140,28 @@ impl<P: Lanes> Intersect<f32x8> for QuadricF64<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
         let QuadricF64 { form, clip } = self.widen();
 
+        // Find where the ray runs through the box.
         let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+
+        // Move the origin to the box if it is outside. Go on in f64.
         let (o, d) = (double8(ray.origin), double8(ray.dir));
         let moved = to_f64x8(interval.start(ray.origin, setup.to_closest));
         let at = |t: f64x8| [0, 1, 2].map(|axis| o[axis] + d[axis] * t);
         let p = at(moved);
 
+        // Evaluate the polynomial there.
         let g = form.half_gradient_f64(p);
-        let (squares, products) = (double8(form.squares), double8(form.products));
-        let [x, y, z] = d;
-        let a =
-            dot_f64x8(squares, [x * x, y * y, z * z]) + dot_f64x8(products, [y * z, z * x, x * y]) * f64x8::splat(2.0);
+        let a = form.curvature_f64(d);
         let b = dot_f64x8(d, g);
         let h = double8(form.linear);
         let c = dot_f64x8(p, [0, 1, 2].map(|axis| g[axis] + h[axis])) + to_f64x8(form.constant);
+
+        // Solve it.
         let root = sqrt_f64x8(b * b - a * c);
         let q = -(b + sign_bit_f64x8(b).select(-root, root));
         let (t0, t1) = (moved + q / a, moved + c / q);
 
+        // Test both roots against the interval and the box, and take the nearer one.
         let (lo, hi) = (double8(clip.lo), double8(clip.hi));
         let (t_min, t_max) = (to_f64x8(setup.slabs.t_min), to_f64x8(setup.slabs.t_max));
         let counts = |t: f64x8| -> Mask64 {
@@ -161,6 +174,8 @@ impl<P: Lanes> Intersect<f32x8> for QuadricF64<P> {
         };
         let (first, second) = (counts(t0), counts(t1));
         let t = to_f32x8((first & (!second | lt64(t0, t1))).select(t0, t1));
+
+        // Test that t is finite and that the box is hit at all.
         let in_range = lt8(t.abs(), f32x8::splat(f32::INFINITY)) & le8(interval.entry, interval.exit);
         Hit::<f32x8>::candidate((first | second).narrow() & in_range, interval.report(t), f32x8::ZERO, f32x8::ZERO)
     }

@@ -82,15 +82,21 @@ impl Intersect<f32> for Mixed<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
         let Self { form, clip } = self;
 
+        // Find where the ray runs through the box.
         let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
+
+        // Move the origin to the box if it is outside. Go on in f64.
         let moved = interval.start(ray.origin, setup.to_closest);
         let d = setup.dir.as_dvec3();
         let p = ray.origin.as_dvec3() + d * f64::from(moved * setup.unit);
 
+        // Evaluate the polynomial there.
         let g = form.half_gradient_f64(p);
         let a = form.curvature_f64(d);
         let b = d.dot(g);
         let c = p.dot(g + form.linear.as_dvec3()) + f64::from(form.constant);
+
+        // Solve it in f32 and take the nearer root that counts.
         let [t0, t1] = roots((b * b - a * c) as f32, a as f32, b as f32, c as f32);
         interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
@@ -108,17 +114,23 @@ impl<P: Lanes> Intersect<f32x8> for Mixed<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
         let Mixed { form, clip } = self.widen();
 
+        // Find where the ray runs through the box.
         let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+
+        // Move the origin to the box if it is outside. Go on in f64.
         let moved = interval.start(ray.origin, setup.to_closest);
         let (o, d) = (double8(ray.origin), double8(setup.dir));
         let step = to_f64x8(moved * setup.unit);
         let p = [0, 1, 2].map(|axis| o[axis] + d[axis] * step);
 
+        // Evaluate the polynomial there.
         let g = form.half_gradient_f64(p);
         let a = form.curvature_f64(d);
         let b = dot_f64x8(d, g);
         let h = double8(form.linear);
         let c = dot_f64x8(p, [0, 1, 2].map(|axis| g[axis] + h[axis])) + to_f64x8(form.constant);
+
+        // Solve it in f32 and take the nearer root that counts.
         let [t0, t1] = roots8(to_f32x8(b * b - a * c), to_f32x8(a), to_f32x8(b), to_f32x8(c));
         interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }

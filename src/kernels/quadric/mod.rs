@@ -60,8 +60,11 @@ struct ClipInterval<L: Lanes> {
 impl ClipInterval<f32> {
     #[inline(always)]
     fn of(clip: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> Self {
+        // Intersect the whole line with the box.
         let line = InverseDirection { inv_dir: setup.inv_dir, t_min: f32::NEG_INFINITY, t_max: f32::INFINITY };
         let (entry, exit) = slab_interval(clip, origin, &line);
+
+        // Cut it to the ray's interval, and move its ends out by their error bounds.
         Self {
             line: [entry, exit],
             t_min: setup.t_min,
@@ -111,12 +114,15 @@ impl ClipInterval<f32x8> {
     /// [`ClipInterval::<f32>::of`] in eight lanes.
     #[inline(always)]
     fn of(clip: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> Self {
+        // Intersect the whole line with the box.
         let line = InverseDirection {
             inv_dir: setup.inv_dir,
             t_min: f32x8::splat(f32::NEG_INFINITY),
             t_max: f32x8::splat(f32::INFINITY),
         };
         let (entry, exit) = slab_interval8(clip, origin, &line);
+
+        // Cut it to the ray's interval, and move its ends out by their error bounds.
         Self {
             line: [entry, exit],
             t_min: setup.t_min,
@@ -186,6 +192,7 @@ impl Approach<f32> {
     /// Five divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {
+        // Divide the direction by a power of two near its size.
         let size = ray.dir.abs();
         let unit = power_of_two(max(max(size.x, size.y), size.z));
         let unit = min(max(unit, f32::MIN_POSITIVE), MAX_UNIT);
@@ -205,6 +212,7 @@ impl Approach<f32x8> {
     /// [`Approach::<f32>::of`] in eight lanes.
     #[inline(always)]
     pub fn of(ray: &Ray<f32x8>) -> Self {
+        // Divide the direction by a power of two near its size.
         let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
         let unit = power_of_two8(max8(max8(size.x, size.y), size.z));
         let unit = min8(max8(unit, f32x8::splat(f32::MIN_POSITIVE)), f32x8::splat(MAX_UNIT));
@@ -365,8 +373,10 @@ impl Form<f32x8> {
 /// there is none.
 #[inline(always)]
 fn roots(discriminant: f32, a: f32, b: f32, c: f32) -> [f32; 2] {
-    // An infinite q would make c/q a root at 0.
+    // Take the root of the discriminant. An infinite q would make c/q a root at 0.
     let root = if discriminant < f32::INFINITY { sqrt(discriminant) } else { f32::NAN };
+
+    // Add numbers of one sign only.
     let q = -(b + if sign_bit(b) { -root } else { root });
     [q / a, c / q]
 }
@@ -374,8 +384,11 @@ fn roots(discriminant: f32, a: f32, b: f32, c: f32) -> [f32; 2] {
 /// [`roots`] in eight lanes.
 #[inline(always)]
 fn roots8(discriminant: f32x8, a: f32x8, b: f32x8, c: f32x8) -> [f32x8; 2] {
+    // Take the root of the discriminant. An infinite q would make c/q a root at 0.
     let finite = lt8(discriminant, f32x8::splat(f32::INFINITY));
     let root = finite.select(sqrt8(discriminant), f32x8::splat(f32::NAN));
+
+    // Add numbers of one sign only.
     let q = -(b + sign_bit8(b).select(-root, root));
     [q / a, c / q]
 }

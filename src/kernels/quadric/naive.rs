@@ -103,12 +103,17 @@ impl Intersect<f32> for Naive<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { squares, products, linear, constant, clip } = *self;
 
+        // Put the ray into the surface's equation: a·t² + b·t + c = 0.
         let (o, d) = (ray.origin, ray.dir);
         let a = squares.dot(d * d) + products.dot(pairs(d));
         let b = 2.0 * squares.dot(o * d) + products.dot(mixed_pairs(o, d)) + linear.dot(d);
         let c = squares.dot(o * o) + products.dot(pairs(o)) + linear.dot(o) + constant;
+
+        // Solve it. Where a is zero, the equation is linear.
         let root = sqrt(b * b - 4.0 * a * c);
         let roots = if a == 0.0 { [-c / b; 2] } else { [(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)] };
+
+        // Take the nearer root that lies in the box and in the interval.
         ClipInterval::<f32>::of(&clip, o, setup).hit(roots)
     }
 }
@@ -125,14 +130,19 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Naive { squares, products, linear, constant, clip } = self.widen();
 
+        // Put the ray into the surface's equation: a·t² + b·t + c = 0.
         let (o, d) = (ray.origin, ray.dir);
         let two = f32x8::splat(2.0);
         let a = squares.dot(product8(d, d)) + products.dot(pairs8(d));
         let b = two * squares.dot(product8(o, d)) + products.dot(mixed_pairs8(o, d)) + linear.dot(d);
         let c = squares.dot(product8(o, o)) + products.dot(pairs8(o)) + linear.dot(o) + constant;
+
+        // Solve it. Where a is zero, the equation is linear.
         let root = sqrt8(b * b - f32x8::splat(4.0) * a * c);
         let (flat, linear_root) = (eq8(a, f32x8::ZERO), -c / b);
         let roots = [(-b - root) / (two * a), (-b + root) / (two * a)].map(|root| flat.select(linear_root, root));
+
+        // Take the nearer root that lies in the box and in the interval.
         ClipInterval::<f32x8>::of(&clip, o, setup).hit(roots)
     }
 }

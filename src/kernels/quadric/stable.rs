@@ -85,15 +85,21 @@ impl Intersect<f32> for Stable<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
         let Self { form, center, clip } = self;
 
+        // Find where the ray runs through the box.
         let interval = ClipInterval::<f32>::of(clip, ray.origin, &setup.slabs);
+
+        // Move the origin to the closest approach, but not out of the box.
         let from_center = ray.origin - center;
         let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
+        // Evaluate the polynomial there.
         let g = form.half_gradient(p);
         let a = form.curvature(setup.dir);
         let b = setup.dir.dot(g);
         let c = p.dot(g + form.linear) + form.constant;
+
+        // Solve it and take the nearer root that counts.
         let [t0, t1] = roots(b * b - a * c, a, b, c);
         interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }
@@ -111,15 +117,21 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
         let Stable { form, center, clip } = self.widen();
 
+        // Find where the ray runs through the box.
         let interval = ClipInterval::<f32x8>::of(&clip, ray.origin, &setup.slabs);
+
+        // Move the origin to the closest approach, but not out of the box.
         let from_center = ray.origin - center;
         let moved = interval.clamp(from_center.dot(setup.to_closest));
         let p = from_center + ray.dir * moved;
 
+        // Evaluate the polynomial there.
         let g = form.half_gradient(p);
         let a = form.curvature(setup.dir);
         let b = setup.dir.dot(g);
         let c = p.dot(g + form.linear) + form.constant;
+
+        // Solve it and take the nearer root that counts.
         let [t0, t1] = roots8(b * b - a * c, a, b, c);
         interval.hit([moved + t0 * setup.inv_unit, moved + t1 * setup.inv_unit])
     }

@@ -77,16 +77,20 @@ impl Intersect<f32> for BaldwinWeber<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { u_row, u0, v_row, v0, n_row, n0 } = *self;
 
-        // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
+        // Intersect the plane. A ray parallel to it divides by zero: t is infinite or NaN.
         let t = -(n_row.dot(ray.origin) + n0) / n_row.dot(ray.dir);
+
+        // Map the point to the barycentrics.
         let p = ray.origin + ray.dir * t;
         let u = u_row.dot(p) + u0;
         let v = v_row.dot(p) + v0;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Test the range of t.
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
@@ -101,14 +105,18 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let BaldwinWeber { u_row, u0, v_row, v0, n_row, n0 } = self.widen();
 
-        // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
+        // Intersect the plane. A ray parallel to it divides by zero: t is infinite or NaN.
         let t = -(n_row.dot(ray.origin) + n0) / n_row.dot(ray.dir);
+
+        // Map the point to the barycentrics.
         let p = ray.origin + ray.dir * t;
         let u = u_row.dot(p) + u0;
         let v = v_row.dot(p) + v0;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Test the range of t.
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

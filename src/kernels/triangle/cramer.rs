@@ -79,16 +79,20 @@ impl Intersect<f32> for Cramer<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { vertices: Vertices { v0, v1, v2 } } = *self;
 
-        // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
+        // Set up the system (v0 - v1)·β + (v0 - v2)·γ + dir·t = v0 - origin.
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
+
+        // Solve it for the barycentrics.
         let det = determinant(a, b, ray.dir);
         let u = determinant(s, b, ray.dir) / det;
         let v = determinant(a, s, ray.dir) / det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Solve it for t and test the range.
         let t = determinant(a, b, s) / det;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -104,14 +108,18 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let Cramer { vertices: Vertices { v0, v1, v2 } } = self.widen();
 
-        // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
+        // Set up the system (v0 - v1)·β + (v0 - v2)·γ + dir·t = v0 - origin.
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
+
+        // Solve it for the barycentrics.
         let det = determinant8(a, b, ray.dir);
         let u = determinant8(s, b, ray.dir) / det;
         let v = determinant8(a, s, ray.dir) / det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Solve it for t and test the range.
         let t = determinant8(a, b, s) / det;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

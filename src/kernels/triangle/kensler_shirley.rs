@@ -67,18 +67,22 @@ impl Intersect<f32> for KenslerShirley<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { v0, e1, e2, n } = *self;
 
+        // Compute the shared cross product and the determinant.
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);
         let det = n.dot(ray.dir);
         let inv_det = 1.0 / det;
 
+        // Compute the barycentrics.
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Compute t and test its range.
         let t = n.dot(c) * inv_det;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -94,16 +98,20 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let KenslerShirley { v0, e1, e2, n } = self.widen();
 
+        // Compute the shared cross product and the determinant.
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);
         let det = n.dot(ray.dir);
         let inv_det = f32x8::ONE / det;
 
+        // Compute the barycentrics.
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Compute t and test its range.
         let t = n.dot(c) * inv_det;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

@@ -62,19 +62,23 @@ impl Intersect<f32> for MollerTrumbore<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { v0, e1, e2 } = *self;
 
+        // Compute the determinant.
         let p = ray.dir.cross(e2);
         let det = e1.dot(p);
         let inv_det = 1.0 / det;
 
+        // Compute the barycentrics.
         let s = ray.origin - v0;
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = ray.dir.dot(q) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Compute t and test its range.
         let t = e2.dot(q) * inv_det;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -90,17 +94,21 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let MollerTrumbore { v0, e1, e2 } = self.widen();
 
+        // Compute the determinant.
         let p = ray.dir.cross(e2);
         let det = e1.dot(p);
         let inv_det = f32x8::ONE / det;
 
+        // Compute the barycentrics.
         let s = ray.origin - v0;
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = ray.dir.dot(q) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Compute t and test its range.
         let t = e2.dot(q) * inv_det;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

@@ -96,22 +96,28 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { vertices: Vertices { v0, v1, v2 } } = *self;
+
+        // Convert to f64.
         let (v0, v1, v2) = (v0.as_dvec3(), v1.as_dvec3(), v2.as_dvec3());
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
 
+        // Compute the determinant.
         let (e1, e2) = (v1 - v0, v2 - v0);
         let p = dir.cross(e2);
         let inv_det = 1.0 / e1.dot(p);
 
+        // Compute the barycentrics.
         let s = origin - v0;
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = dir.dot(q) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Compute t, round it and test its range.
         let t = (e2.dot(q) * inv_det) as f32;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
     }
@@ -126,21 +132,27 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let MollerTrumboreF64 { vertices: Vertices { v0, v1, v2 } } = self.widen();
+
+        // Convert to f64.
         let (v0, v1, v2) = (double8(v0), double8(v1), double8(v2));
         let (origin, dir) = (double8(ray.origin), double8(ray.dir));
         let (zero, one) = (f64x8::splat(0.0), f64x8::splat(1.0));
 
+        // Compute the determinant.
         let (e1, e2) = (minus8(v1, v0), minus8(v2, v0));
         let p = cross8(dir, e2);
         let inv_det = one / dot_f64x8(e1, p);
 
+        // Compute the barycentrics.
         let s = minus8(origin, v0);
         let u = dot_f64x8(s, p) * inv_det;
         let q = cross8(s, e1);
         let v = dot_f64x8(dir, q) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = (ge64(u, zero) & ge64(v, zero) & le64(u + v, one)).narrow();
+
+        // Compute t, round it and test its range.
         let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
     }

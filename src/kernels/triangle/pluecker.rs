@@ -72,21 +72,26 @@ impl Intersect<f32> for Pluecker<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { vertices: Vertices { v0, v1, v2 }, n } = *self;
 
+        // Move the origin to zero.
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
-        // The weights of v1, v2 and v0, up to a common factor.
+        // Evaluate the edge functions: the weights of v1, v2 and v0, up to a common factor.
         let u = (a - c).cross(a + c).dot(ray.dir);
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
+        // Test whether the three signs agree.
         let inside = sign_agreement([u, v, w]) >= 0.0;
         if !inside {
             return Hit::MISS;
         }
+
+        // Intersect the plane and normalise the weights.
         let inv_sum = 1.0 / (u + v + w);
         let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
-        // Not where all three are zero, nor where they overflow or are NaN.
+
+        // Reject weights that are all zero, or overflow, or are NaN. Test the range of t.
         let numbers = (u + v).abs() < f32::INFINITY;
         Hit::<f32>::new(numbers & t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -102,18 +107,23 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let Pluecker { vertices: Vertices { v0, v1, v2 }, n } = self.widen();
 
+        // Move the origin to zero.
         let (a, b, c) = (v0 - ray.origin, v1 - ray.origin, v2 - ray.origin);
 
-        // The weights of v1, v2 and v0, up to a common factor.
+        // Evaluate the edge functions: the weights of v1, v2 and v0, up to a common factor.
         let u = (a - c).cross(a + c).dot(ray.dir);
         let v = (b - a).cross(b + a).dot(ray.dir);
         let w = (c - b).cross(c + b).dot(ray.dir);
 
+        // Test whether the three signs agree.
         let inside = ge8(sign_agreement8([u, v, w]), f32x8::ZERO);
+
+        // Intersect the plane and normalise the weights.
         let inv_sum = f32x8::ONE / (u + v + w);
         let t = n.dot(a) / n.dot(ray.dir);
         let (u, v) = (u * inv_sum, v * inv_sum);
-        // Not where all three are zero, nor where they overflow or are NaN.
+
+        // Reject weights that are all zero, or overflow, or are NaN. Test the range of t.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
         Hit::<f32x8>::candidate(inside & numbers & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

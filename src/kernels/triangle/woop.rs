@@ -86,13 +86,20 @@ impl Intersect<f32> for Woop<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let Self { vertices } = self;
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
+
+        // Compute the weights and compare their signs.
         let mut weights = sheared.weights();
         let mut signs = sign_agreement(weights);
+
+        // Compute again, exactly, what came out as zero.
         if signs == 0.0 {
             weights = sheared.exact_weights(weights);
             signs = sign_agreement(weights);
         }
+
+        // Compute t and test its range.
         sheared.hit(signs >= 0.0, weights, ray, setup)
     }
 }
@@ -109,13 +116,20 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let Woop { vertices } = self.widen();
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
+
+        // Compute the weights and compare their signs.
         let mut weights = sheared.weights();
         let mut signs = sign_agreement8(weights);
+
+        // Compute again, exactly, what came out as zero.
         if eq8(signs, f32x8::ZERO).any() {
             weights = sheared.exact_weights(weights);
             signs = sign_agreement8(weights);
         }
+
+        // Compute t and test its range.
         sheared.hit(ge8(signs, f32x8::ZERO), weights, ray, setup)
     }
 }
@@ -180,6 +194,7 @@ impl Shear {
     /// Three divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {
+        // Find the axis along which the direction is longest.
         let size = ray.dir.abs();
         let along_x = (size.x >= size.y) & (size.x >= size.z);
         let along_y = size.y >= size.z;
@@ -190,6 +205,8 @@ impl Shear {
         } else {
             2
         };
+
+        // Compute the shear. A ray that misses everything gets a NaN.
         let d = cycle_axes(ray.dir, axis);
         let z = if ray.is_valid() { 1.0 / d.z } else { f32::NAN };
         Self { axis, x: d.x / d.z, y: d.y / d.z, z }
@@ -207,6 +224,7 @@ impl Shear8 {
     /// [`Shear::of`] in eight lanes.
     #[inline(always)]
     pub fn of(ray: &Ray<f32x8>) -> Self {
+        // Find the axis along which the direction is longest.
         let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
         let along_x = ge8(size.x, size.y) & ge8(size.x, size.z);
         let along_y = ge8(size.y, size.z) & !along_x;
@@ -216,6 +234,8 @@ impl Shear8 {
             (0, 0) => 2,
             _ => Self::MIXED,
         };
+
+        // Compute the shear. A ray that misses everything gets a NaN.
         let d = Self::cycle_mixed_axes(ray.dir, along_x, along_y);
         let z = ray.is_valid().select(f32x8::ONE / d.z, f32x8::splat(f32::NAN));
         Self { along_x, along_y, axis, x: d.x / d.z, y: d.y / d.z, z }
@@ -279,8 +299,13 @@ fn cross2x8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
 impl Sheared {
     #[inline(always)]
     pub(super) fn of(vertices: &Vertices<f32>, ray: &Ray<f32>, setup: &Shear) -> Self {
-        let (a, b, c) = (vertices.v0 - ray.origin, vertices.v1 - ray.origin, vertices.v2 - ray.origin);
+        let Vertices { v0, v1, v2 } = *vertices;
+
+        // Move the origin to zero and put the ray's axis last.
+        let [a, b, c] = [v0 - ray.origin, v1 - ray.origin, v2 - ray.origin];
         let [a, b, c] = [cycle_axes(a, setup.axis), cycle_axes(b, setup.axis), cycle_axes(c, setup.axis)];
+
+        // Project onto the plane across the ray.
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }
 
@@ -315,10 +340,13 @@ impl Sheared {
         if !inside {
             return Hit::MISS;
         }
+
+        // Normalise the weights.
         let [u, v, w] = weights;
         let inv_det = 1.0 / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
-        // A NaN in any of the three arrives here, and is a miss.
+
+        // Interpolate t and test its range. A NaN in any weight makes t NaN: a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -328,7 +356,12 @@ impl Sheared8 {
     #[inline(always)]
     pub(super) fn of(vertices: &Vertices<f32x8>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
         let Vertices { v0, v1, v2 } = *vertices;
-        let [a, b, c] = setup.cycle_axes([v0 - ray.origin, v1 - ray.origin, v2 - ray.origin]);
+
+        // Move the origin to zero and put the ray's axis last.
+        let [a, b, c] = [v0 - ray.origin, v1 - ray.origin, v2 - ray.origin];
+        let [a, b, c] = setup.cycle_axes([a, b, c]);
+
+        // Project onto the plane across the ray.
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }
 
@@ -360,10 +393,12 @@ impl Sheared8 {
     /// [`Sheared::hit`] in eight lanes.
     #[inline(always)]
     pub(super) fn hit(&self, inside: Mask8, weights: [f32x8; 3], ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        // Normalise the weights.
         let [u, v, w] = weights;
         let inv_det = f32x8::ONE / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
-        // A NaN in any of the three arrives here, and is a miss.
+
+        // Interpolate t and test its range. A NaN in any weight makes t NaN: a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

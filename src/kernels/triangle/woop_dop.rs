@@ -62,16 +62,20 @@ impl Kernel for WoopDop<f32> {
 /// `p.x·q.y - p.y·q.x` with a relative error of at most 2ε.
 #[inline(always)]
 fn difference((p, q): (Vec3, Vec3)) -> f32 {
+    // Round one product and recover its rounding error.
     let product = p.y * q.x;
     let lost = mul_add(-p.y, q.x, product);
+    // Add it to the difference of products.
     mul_add(p.x, q.y, -product) + lost
 }
 
 /// [`difference`] in eight lanes.
 #[inline(always)]
 fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
+    // Round one product and recover its rounding error.
     let product = p.y * q.x;
     let lost = mul_add8(-p.y, q.x, product);
+    // Add it to the difference of products.
     mul_add8(p.x, q.y, -product) + lost
 }
 
@@ -87,9 +91,14 @@ impl Intersect<f32> for WoopDop<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let Self { vertices } = self;
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
+
+        // Compute the weights with exact signs.
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
+
+        // Compare the signs, compute t and test its range.
         sheared.hit(sign_agreement(weights) >= 0.0, weights, ray, setup)
     }
 }
@@ -106,9 +115,14 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let WoopDop { vertices } = self.widen();
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
+
+        // Compute the weights with exact signs.
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
+
+        // Compare the signs, compute t and test its range.
         sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, ray, setup)
     }
 }

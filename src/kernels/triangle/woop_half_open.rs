@@ -81,7 +81,10 @@ fn tie_is_positive8(p: Vec3x8, q: Vec3x8) -> Mask8 {
 #[cold]
 #[inline(never)]
 fn perturbed_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
+    // Compute again, exactly, what came out as zero.
     let weights = sheared.exact_weights(weights);
+
+    // Give each zero the sign that the moved ray would give it.
     let edges = sheared.edges();
     let positive = [0, 1, 2].map(|edge| {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
@@ -91,6 +94,8 @@ fn perturbed_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
         let (weight, (p, q)) = (weights[edge], edges[edge]);
         (weight < 0.0) | ((weight == 0.0) & tie_is_positive(q, p))
     });
+
+    // Test whether the three signs agree.
     ((positive[0] & positive[1] & positive[2]) | (negative[0] & negative[1] & negative[2]), weights)
 }
 
@@ -98,7 +103,10 @@ fn perturbed_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
 #[cold]
 #[inline(never)]
 fn perturbed_inside8(sheared: Sheared8, weights: [f32x8; 3]) -> (Mask8, [f32x8; 3]) {
+    // Compute again, exactly, what came out as zero.
     let weights = sheared.exact_weights(weights);
+
+    // Give each zero the sign that the moved ray would give it.
     let edges = sheared.edges();
     let zero = f32x8::ZERO;
     let positive = [0, 1, 2].map(|edge| {
@@ -109,6 +117,8 @@ fn perturbed_inside8(sheared: Sheared8, weights: [f32x8; 3]) -> (Mask8, [f32x8; 
         let (weight, (p, q)) = (weights[edge], edges[edge]);
         lt8(weight, zero) | (eq8(weight, zero) & tie_is_positive8(q, p))
     });
+
+    // Test whether the three signs agree.
     ((positive[0] & positive[1] & positive[2]) | (negative[0] & negative[1] & negative[2]), weights)
 }
 
@@ -124,13 +134,20 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let Self { vertices } = self;
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
+
+        // Compute the weights and compare their signs.
         let mut weights = sheared.weights();
         let signs = sign_agreement(weights);
         let mut inside = signs > 0.0;
+
+        // Break the tie where a weight came out as zero.
         if signs == 0.0 {
             (inside, weights) = perturbed_inside(sheared, weights);
         }
+
+        // Compute t and test its range.
         sheared.hit(inside, weights, ray, setup)
     }
 }
@@ -147,13 +164,20 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let WoopHalfOpen { vertices } = self.widen();
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
+
+        // Compute the weights and compare their signs.
         let mut weights = sheared.weights();
         let signs = sign_agreement8(weights);
         let mut inside = gt8(signs, f32x8::ZERO);
+
+        // Break the tie where a weight came out as zero.
         if eq8(signs, f32x8::ZERO).any() {
             (inside, weights) = perturbed_inside8(sheared, weights);
         }
+
+        // Compute t and test its range.
         sheared.hit(inside, weights, ray, setup)
     }
 }
