@@ -1,20 +1,19 @@
 //! `aabb/division`: the textbook's slab test.
 //!
-//! **Source:** T. L. Kay, J. T. Kajiya, "Ray Tracing Complex Scenes", 1986, in the form of P. Shirley, S. Marschner et
-//! al., "Fundamentals of Computer Graphics" (chapter on ray tracing).
+//! **Source:** T. L. Kay, J. T. Kajiya, "Ray Tracing Complex Scenes", 1986, in the form of P. Shirley, S. Marschner
+//! et al., "Fundamentals of Computer Graphics" (chapter on ray tracing).
 //!
-//! **Idea:** divide the distance to each plane by the direction, order each pair of planes by the sign of the
-//! direction, and compare the latest entry with the earliest exit.
+//! **Idea:** divide the distance to each plane by the direction. Order each pair of planes by the sign of the
+//! direction. Compare the latest entry with the earliest exit.
 //!
-//! **Differs from the textbook** in that a ray has an interval, and that comparisons are written to be true for a hit,
-//! so that a NaN is a miss.
+//! **Differs from the textbook:** a ray has an interval. Comparisons are true for a hit, so a NaN is a miss.
 //!
-//! **Fails:** parallel to a slab. `d >= 0` holds for `-0` too, where the division gives `-∞` for what lies ahead, so
-//! near and far are exchanged and the ray misses; on a plane of the slab `0/0` is NaN and the ray misses. At edges and
-//! corners entry and exit are equal but for rounding, and some rays are lost.
+//! **Fails:** parallel to a slab. `d >= 0` holds for `-0` too, but the division by it gives `-∞` for planes ahead. So
+//! near and far are exchanged, and the ray misses. On a plane of the slab `0/0` is NaN, and the ray misses. At edges
+//! and corners entry and exit differ only by rounding, and some rays are lost.
 //!
-//! **Operations:** 6 subtractions, 6 divisions, 13 comparisons. No setup worth the name: that is what it costs to do
-//! without one.
+//! **Operations:** 6 subtractions, 6 divisions, 13 comparisons. The setup only checks the ray; the divisions per box
+//! are the price.
 
 use wide::f32x8;
 
@@ -36,7 +35,8 @@ impl Kernel for Division<f32> {
     const INFO: Info = Info {
         id: Id::of("aabb/division"),
         idea: "distances to the six planes by division, near and far by the sign of the direction",
-        source: "Kay, Kajiya, \"Ray Tracing Complex Scenes\", 1986; Shirley, Marschner, \"Fundamentals of Computer Graphics\"",
+        source: "Kay, Kajiya, \"Ray Tracing Complex Scenes\", 1986; \
+                 Shirley, Marschner, \"Fundamentals of Computer Graphics\"",
         operations: Operations { add: 6, compare: 13, div: 6, reads: 6, ..Operations::NONE },
         setup: VALIDITY,
         claims: &[],

@@ -1,22 +1,24 @@
-//! `aabb/fused`: the slab test as one fused operation per plane. A warning.
+//! `aabb/fused`: the slab test with one fused operation per plane. A warning.
 //!
-//! **Source:** the usual advice to "precompute `-origin·inv_dir` and use FMA"; for instance I. Wald, S. Woop, C. Benthin,
-//! G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014 (its fast traversal).
+//! **Source:** the usual advice to "precompute `-origin·inv_dir` and use FMA"; for instance I. Wald, S. Woop, C.
+//! Benthin, G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014 (its fast
+//! traversal).
 //!
-//! **Idea:** `plane·inv_dir - origin·inv_dir`, of which the second product is known per ray. Otherwise as
+//! **Idea:** `plane·inv_dir - origin·inv_dir`. The second product is computed once per ray. The rest is as in
 //! `aabb/sign_selected`.
 //!
-//! **Fails:** the two products cancel. `origin·inv_dir` carries a rounding error in proportion to the distance from the
-//! coordinates' origin, not from the box, and all of it ends up in the result: a box of size 1 seen from 1e6 away has
-//! planes that are off by a sixteenth. With a zero in the direction both products are infinite or `0·∞`, their difference
-//! is NaN more often than not, and the slab drops out: a parallel ray *beside* the box hits. It is not monotonic
-//! in the way that the tracer's guarantee rests on, and may serve to cull only with its error added (see `tracer`).
+//! **Fails:** the two products cancel. The rounding error of `origin·inv_dir` is proportional to the distance from
+//! the origin of coordinates, not from the box, and all of it remains in the result. A box of size 1 seen from 1e6
+//! away has planes that are off by a sixteenth. With a zero in the direction, both products are infinite or `0·∞`.
+//! Their difference is NaN more often than not, and the slab drops out: a parallel ray *beside* the box hits. The
+//! test is not monotonic in the way that the tracer's guarantee needs. It may be used for culling only with its error
+//! added (see `tracer`).
 //!
-//! **Empty boxes and rays without a usable slab:** a ray for which `origin·inv_dir` is not finite on any axis would drop
-//! all three slabs and hit even the empty box. It gets an empty interval, and so loses true hits.
+//! **Rays without a usable slab:** if `origin·inv_dir` is finite on no axis, all three slabs drop out, and the ray
+//! would hit even an empty box. Such a ray gets an empty interval, and so loses true hits.
 //!
-//! **Operations:** 6 fused multiply-adds, 7 minima, maxima and comparisons; setup 3 divisions, 3 multiplications. It exists
-//! only where the build has them.
+//! **Operations:** 6 fused multiply-adds, 7 minima, maxima and comparisons. Setup: 3 divisions, 3 multiplications.
+//! The kernel exists only in builds with fused multiply-add.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -40,9 +42,9 @@ pub struct Offset<L: Lanes> {
     pub inv_dir: L::Vec3,
     /// `-(origin · inv_dir)`.
     pub offset: L::Vec3,
-    /// The ray's interval, or an empty one.
+    /// Least `t` of the ray's interval, or of an empty one.
     pub t_min: L,
-    /// The ray's interval, or an empty one.
+    /// Greatest `t` of the ray's interval, or of an empty one.
     pub t_max: L,
 }
 

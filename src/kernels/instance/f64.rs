@@ -1,20 +1,21 @@
 //! `instance/f64`: the ray transformed in double precision.
 //!
-//! **Source:** none; it is `instance/subtract_first` without its rounding.
+//! **Source:** none. It is `instance/subtract_first` without its rounding.
 //!
-//! **Idea:** `f32` in and out, `f64` between: the best that transforming the ray can do for an inner kernel that takes
-//! `f32`.
+//! **Idea:** `f32` in and out, `f64` in between: the best that transforming the ray can do for an inner kernel that
+//! takes `f32`.
 //!
-//! **Fails:** where a ray of `f32` in the object's space cannot say what the ray in the world says: each of its six
+//! **Fails:** where an `f32` ray in the object's space cannot express the ray of the world. Each of its six
 //! coordinates is still rounded once, by an ulp of its distance from the object's origin.
 //!
-//! **Edges, claims:** the inner kernel's, for the transformed ray.
+//! **Edges, claims:** those of the inner kernel, for the transformed ray.
 //!
-//! **Degenerate input:** a transform without inverse, or not finite, misses every ray. No inverse of `f32` numbers
-//! overflows in `f64`; a transformed direction may in `f32`, and then misses, as at a scale of 1e-39.
+//! **Degenerate input:** a transform that is not finite or has no inverse misses every ray. No inverse of `f32`
+//! numbers overflows in `f64`. A transformed direction may overflow in `f32`, and then misses, as at a scale of
+//! 1e-39.
 //!
-//! **Operations:** 18 multiplications and 15 additions, all in `f64`, on top of the inner kernel's test and, anew for
-//! every instance, its setup. 96 bytes prepared.
+//! **Operations:** 18 multiplications and 15 additions, all in `f64`, and for every instance the inner kernel's setup
+//! and test. 96 bytes prepared.
 
 use glam::{Affine3, DVec3};
 use wide::{f32x8, f64x8};
@@ -59,7 +60,7 @@ impl RayTransform<f32x8> for SubtractFirstF64<[f64x8; 3]> {
     }
 }
 
-/// Eight rays by one transform: it is widened first.
+/// Eight rays by one transform, which is widened first.
 impl RayTransform<f32x8> for SubtractFirstF64<DVec3> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {

@@ -1,26 +1,29 @@
-//! `triangle/pluecker`: edge functions that both triangles at an edge agree on.
+//! `triangle/pluecker`: edge functions on which both triangles at an edge agree.
 //!
-//! **Source:** A. F. Möbius and J. Plücker's line coordinates, in the form of Embree's robust test (I. Wald, S. Woop,
-//! C. Benthin, G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014).
+//! **Source:** the line coordinates of A. F. Möbius and J. Plücker, in the form of Embree's robust test (I. Wald, S.
+//! Woop, C. Benthin, G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014).
 //!
-//! **Idea:** with vertices relative to the ray's origin, the sign of `((b - a) × (a + b)) · dir` says on which side of
-//! the edge ab the ray passes; it hits if all three signs agree. Walked the other way, the difference changes its sign,
-//! the sum stays the same, and so every product and sum after them changes its sign and nothing else: the two triangles
-//! at an edge compute exactly opposite numbers and cannot both reject the ray because of that edge.
+//! **Idea:** take the vertices relative to the ray's origin. The sign of `((b - a) × (a + b)) · dir` says on which
+//! side of the edge ab the ray passes. The ray hits if all three signs agree. If the edge is walked the other way,
+//! the difference changes its sign and the sum stays the same. So every later product and sum changes its sign and
+//! nothing else. The two triangles at an edge compute exactly opposite numbers: they cannot both reject the ray
+//! because of that edge.
 //!
-//! **Differs from the sources:** the normal is prepared (in `f64`, rounded once), where Embree computes one for every
-//! ray by a stabilised cross product, so `t` is a plain quotient of two products with it; edge functions are compared
-//! with zero, not with an epsilon; both sides hit.
+//! **Differs from the sources:** the normal is prepared (in `f64`, rounded once), and `t` is a plain quotient of two
+//! products with it. Embree computes a normal for every ray by a stabilised cross product. Edge functions are
+//! compared with zero, not with an epsilon. Both sides hit.
 //!
-//! **Fails:** at a vertex three and more edge functions meet, each with its own rounding, and their signs need not be
-//! those of any point: of 2,170,000 rays exactly through the hub of a fan 5,800 leaked, and none of 1,890,000 exactly
-//! through its edges. A triangle seen so nearly edge-on that another of its edges is as near as rounding may be rejected
-//! by that one (`edge-leak-pluecker` of the sharp cases). The rounding of an edge function grows with the distance times the size, so that rays near an
-//! edge are double hits or hits of the wrong neighbour, more of them from farther away.
+//! **Fails:** at a vertex three or more edge functions meet. Each has its own rounding, and their signs need not be
+//! those of any point. Of 2,170,000 rays exactly through the hub of a fan, 5,800 leaked; of 1,890,000 exactly through
+//! its edges, none. If a triangle is seen almost edge-on, another of its edges may be as close as a rounding error
+//! and reject the ray (`edge-leak-pluecker` of the sharp cases). The rounding error of an edge function grows with
+//! distance times size. So rays near an edge hit twice or hit the wrong neighbour, and more of them from farther
+//! away.
 //!
 //! **Degenerate input:** the prepared normal of a triangle of zero area is exactly zero, so `t` divides by zero.
 //!
-//! **Operations:** 35 multiplications, 49 additions, 2 divisions, 9 minima, maxima and comparisons. 48 bytes prepared.
+//! **Operations:** 35 multiplications, 49 additions, 2 divisions, 9 minima, maxima and comparisons. 48 bytes
+//! prepared.
 
 use wide::f32x8;
 
