@@ -1,6 +1,6 @@
-//! Every registered kernel, every workload, each face: time per test of one ray against one primitive.
+//! Times every registered kernel on every workload in each width: one test of one ray against one primitive.
 //!
-//! `cargo bench --bench kernels -- triangle/` runs those whose ID contains the text.
+//! `cargo bench --bench kernels -- triangle/` runs only the IDs that contain the text.
 
 use std::hint::black_box;
 

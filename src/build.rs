@@ -1,4 +1,5 @@
-//! Passes on what only the compiler knows about this build, so that every record can state it.
+//! Build script. Passes the compiler version, the target and its features to the crate, because every record states
+//! them. Sets `cfg(fused)` where multiply-add is fused.
 
 use std::env;
 use std::process::Command;
@@ -10,7 +11,8 @@ fn main() {
     for (name, source) in [("RAYLANES_TARGET", "TARGET"), ("RAYLANES_TARGET_FEATURES", "CARGO_CFG_TARGET_FEATURE")] {
         println!("cargo::rustc-env={name}={}", env::var(source).unwrap_or_default());
     }
-    // Whether wide's multiply-add is fused, for eight lanes and for four (its conditions, restated): see `geom::lanes`.
+    // Whether the multiply-add of `wide` is fused, for eight lanes and for four. These are the conditions of `wide`;
+    // see `geom::lanes`.
     let list = |name: &str| env::var(name).unwrap_or_default();
     let has = |feature: &str| list("CARGO_CFG_TARGET_FEATURE").split(',').any(|name| name == feature);
     println!("cargo::rustc-check-cfg=cfg(fused)");

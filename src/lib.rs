@@ -1,6 +1,6 @@
 //! Ray-intersection kernels, each written twice: a scalar reference in [glam] and an 8-wide packet version in [wide],
-//! with bit-identical hits. Around them a small tracer that runs them on real scenes, and a study that measures how fast
-//! and how right each of them is.
+//! with bit-identical hits. Around them are a small tracer, which runs them on real scenes, and a study, which
+//! measures how fast and how accurate each of them is.
 //!
 //! ```
 //! use raylanes::geom::{Hit, Ray, Triangle};
@@ -30,61 +30,64 @@
 //!
 //! # Reading order
 //!
-//! 1. [`geom`]: [rays](geom::Ray), [hits](geom::Hit) and shapes, generic over the lane type, and [`geom::lanes`], where
-//!    every operation lives whose scalar and packet meaning could drift apart.
-//! 2. [`kernels`]: the contract between twins ([`kernels::Intersect`], [`kernels::Kernel`]), then one file per method;
-//!    start with `triangle/moller_trumbore.rs`.
-//! 3. [`registry`]: the list of kernels that tests, benches, study and program walk.
-//! 4. `oracle` (feature `study`): the exact answer, in whole numbers. It knows nothing of the kernels.
-//! 5. `tracer` (feature `tracer`): meshes, quadrics and instances of them, two levels of trees, traversal under the *box
-//!    rule*, which makes the closest hit the same for every way of finding it, and pictures.
+//! 1. [`geom`]: [rays](geom::Ray), [hits](geom::Hit) and shapes, generic over the lane type. [`geom::lanes`] holds
+//!    every operation whose scalar and eight-lane forms could differ.
+//! 2. [`kernels`]: the contract between twins ([`kernels::Intersect`], [`kernels::Kernel`]), then one file per
+//!    method. Start with `triangle/moller_trumbore.rs`.
+//! 3. [`registry`]: the list of kernels. Tests, benches, study and program walk it.
+//! 4. `oracle` (feature `study`): the exact answer, in integers. It knows nothing of the kernels.
+//! 5. `tracer` (feature `tracer`): meshes, quadrics and instances of them, two levels of trees, traversal, pictures.
+//!    Its *box rule* makes the closest hit the same for every way of finding it.
 //! 6. `study` (feature `study`): workloads, measurement, accuracy, charts, report.
 //!
-//! Each layer uses only those above it.
+//! Each layer uses only the layers above it. `ARCHITECTURE.md` has a picture of them and the reasons behind the
+//! design.
 //!
 //! # Words
 //!
 //! | word | meaning |
 //! | --- | --- |
 //! | kernel | one intersection method for one shape |
-//! | twins | its scalar and its packet implementation |
+//! | twins | the scalar and the packet implementation of a kernel |
 //! | packet | eight rays, or eight primitives, as structure of arrays |
-//! | face | how rays and primitives are paired: 1×1 (scalar), 8×1 (eight rays, one primitive), 1×8 |
-//! | prepared | what is computed once per primitive; its bytes are a reported cost |
-//! | setup | what is computed once per ray, such as the inverse direction |
-//! | quadric | a surface `f(p) = 0` of second degree, cut off by a box |
-//! | instance | a shape, or a whole mesh, put into the world by an affine transform |
+//! | suffix `8` | eight lanes: `min8` is `min` in eight lanes |
+//! | width | how many rays meet how many primitives at once: 1×1 (scalar), 8×1 (eight rays, one primitive), 1×8 |
+//! | prepared | data computed once per primitive; its bytes are a reported cost |
+//! | setup | data computed once per ray, such as the inverse direction |
+//! | quadric | a surface `f(p) = 0` of second degree, clipped by a box |
+//! | instance | a shape, or a whole mesh, placed in the world by an affine transform |
 //! | oracle | the exact answer |
 //! | leak | a ray that exactly hits a closed mesh and is reported to hit nothing |
-//! | double | a ray reported to hit two triangles where exactly one is hit |
+//! | double hit | a ray reported to hit two triangles where exactly one is hit |
 //! | workload | a named, seeded set of rays and primitives |
+//! | regime | a workload that makes one thing worse, step by step |
 //!
 //! # Semantics
 //!
-//! `t` counts in units of `|dir|` and is the same before and after an affine transform of the ray. The interval is closed.
-//! Edges belong to the triangle, surfaces to the box, and what is exactly in a plane of its box to the quadric. A ray with a NaN anywhere, a zero direction, or an infinite origin
-//! or direction misses everything, and so does a degenerate primitive. No kernel panics, returns a NaN, or uses an
-//! absolute epsilon. A lane that misses holds [`geom::Hit::MISS`].
+//! `t` counts in units of `|dir|` and is the same before and after an affine transform of the ray. The interval is
+//! closed. Shapes are closed too: triangle edges, box faces and clip planes count as hits. A ray misses everything if
+//! it holds a NaN, if its direction is zero, or if its origin or direction is infinite. A degenerate primitive is
+//! never hit. No kernel panics, returns a NaN or uses an absolute epsilon. A lane that misses holds
+//! [`geom::Hit::MISS`].
 //!
 //! # Features
 //!
-//! With `default-features = false` there are the kernels alone: `no_std`, and no dependencies but glam, libm and wide.
-//! `tracer` adds scenes, `study` (the default) everything else, and `peers` other crates to compare the tracer with.
+//! With `default-features = false` the crate is the kernels alone: `no_std`, with no dependencies except glam, libm
+//! and wide. `tracer` adds scenes, `study` (the default) everything else, and `peers` other crates to compare the
+//! tracer with.
 //!
-//! [wide] chooses its instructions at compile time. Without a flag an x86-64 build has SSE2 and packets run at half width:
-//! build with `RUSTFLAGS="-C target-cpu=native"`, or `x86-64-v3` for AVX2 and FMA everywhere. Hits do not depend on it.
+//! [wide] chooses its instructions at compile time. Without a flag, an x86-64 build has SSE2, and packets run at half
+//! width. Build with `RUSTFLAGS="-C target-cpu=native"`, or with `x86-64-v3` for every CPU with AVX2 and FMA. Hits do
+//! not depend on it.
 //!
 //! # Adding a kernel
 //!
-//! Write `src/kernels/<family>/<name>.rs`: a header that says what the method is, where it comes from and where it fails;
-//! a struct generic over the lanes; `impl Intersect<f32>`, the specification in plain glam; `impl<P: Lanes>
-//! Intersect<f32x8>`, its translation line by line; `impl Kernel`. Name it in the family's `mod.rs` and add one line to
-//! [`registry`]. It is then compared with its twin and the oracle, benchmarked, recorded, charted, and selectable in the
-//! program. `RAYLANES_BLESS=1 cargo test --test cases --test accuracy` pins what it makes of the sharp cases (read
-//! the lines marked `<-`) and its errors in every regime. What it claims is enforced; what it does not claim, it has to be
-//! seen to break. A kernel of your own crate can implement the same traits and be used with the tracer as it is.
+//! Write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one line to [`registry`]. The
+//! kernel is then compared with its twin and with the oracle, benchmarked, recorded, charted, and selectable in the
+//! program. `CONTRIBUTING.md` has the steps and the commands. A kernel in your own crate can implement the same
+//! traits and run in the tracer.
 
-// Tests may use all of std, also those of a build without it.
+// Tests use std even in a build without it.
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 #![forbid(unsafe_code)]
 

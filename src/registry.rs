@@ -1,9 +1,8 @@
-//! The list of kernels. Whatever is named here is tested against its twin and the oracle, benchmarked, measured, charted
-//! and selectable on the command line; `tests/registry.rs` fails for a kernel file that is not.
+//! The list of kernels. Everything in it is tested against its twin and the oracle, benchmarked, measured, charted
+//! and selectable on the command line. `tests/registry.rs` fails if a kernel file is not in the list.
 //!
-//! The list is walked by a [`Visitor`], whose method is generic over the kernel, so that every inner loop stays
-//! monomorphic. To add a kernel, write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one
-//! line here.
+//! A [`Visitor`] walks the list. Its method is generic over the kernel, so every inner loop stays monomorphic. To add
+//! a kernel, write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one line here.
 
 use glam::DVec3;
 
@@ -20,7 +19,7 @@ use crate::kernels::triangle::{
 };
 use crate::kernels::{Kernel, Shape};
 
-/// Something done with every kernel for shapes of type `S`.
+/// Something that is done with every kernel for shapes of type `S`.
 pub trait Visitor<S: Shape> {
     /// Called once for each kernel, in the order of the list.
     fn visit<K: Kernel<Shape = S>>(&mut self);
@@ -36,7 +35,7 @@ pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
     visitor.visit::<Padded<f32>>();
 }
 
-/// The triangle tests; every one of them can drive the tracer.
+/// The triangle tests. Each of them can drive the tracer.
 pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
     visitor.visit::<Cramer<f32>>();
     visitor.visit::<MollerTrumbore<f32>>();
@@ -50,7 +49,7 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
     visitor.visit::<MollerTrumboreF64<f32>>();
 }
 
-/// The tests for surfaces of second degree; every one of them can drive the tracer.
+/// The tests for surfaces of second degree. Each of them can drive the tracer.
 pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
     visitor.visit::<Naive<f32>>();
     visitor.visit::<Stable<f32>>();
@@ -68,9 +67,9 @@ where
     Placed::<Quadric>::visit_kernels(visitor);
 }
 
-/// A shape that there are kernels for.
+/// A shape that has kernels.
 pub trait Registered: Shape {
-    /// Visits them in the order of the list.
+    /// Visits the shape's kernels, in the order of the list.
     fn visit_kernels(visitor: &mut impl Visitor<Self>);
 }
 
@@ -111,8 +110,8 @@ impl Registered for Placed<Quadric> {
     }
 }
 
-/// An instance of every kernel of a shape by the tracer's method; by the others, of one kernel alone, so that methods are
-/// compared and not kernels.
+/// Visits an instance of every kernel of the shape by the tracer's method. The other methods get an instance of `K`
+/// alone: methods are compared there, not kernels.
 fn ray_transforms<K: Kernel>(visitor: &mut impl Visitor<Placed<K::Shape>>)
 where
     K::Shape: Registered,
@@ -128,7 +127,7 @@ where
     visitor.visit::<Instance<K, SubtractFirstF64<DVec3>>>();
 }
 
-/// Everything.
+/// Every kernel.
 pub fn all<V>(visitor: &mut V)
 where
     V: Visitor<Aabb> + Visitor<Triangle> + Visitor<Quadric>,
@@ -140,33 +139,34 @@ where
     instances(visitor);
 }
 
-/// A kernel that this build has not.
+/// A kernel that this build does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Absent {
-    /// Its ID; it has no instances either.
+    /// Its ID. Its instances are absent too.
     pub id: &'static str,
-    /// What it lacks.
+    /// What the build lacks.
     pub reason: &'static str,
 }
 
-/// The kernels that this build has not, each with the reason.
+/// The kernels that this build does not have, each with the reason.
 pub fn absent() -> &'static [Absent] {
-    const REASON: &str = "needs fused multiply-add, which this build has not (target features avx, fma)";
+    const REASON: &str = "needs fused multiply-add, which this build does not have (target features avx, fma)";
     const FUSED: [Absent; 2] =
         [Absent { id: "triangle/woop_dop", reason: REASON }, Absent { id: "aabb/fused", reason: REASON }];
     if cfg!(fused) { &[] } else { &FUSED }
 }
 
-/// Something done with one kernel for shapes of type `S` that is chosen by name at run time.
+/// Something that is done with one kernel for shapes of type `S`. The kernel is chosen by name at run time.
 pub trait Task<S: Shape> {
-    /// What comes of it.
+    /// The result.
     type Output;
 
     /// Called with the chosen kernel.
     fn run<K: Kernel<Shape = S>>(self) -> Self::Output;
 }
 
-/// Runs the task with the kernel of this ID, of which the family may be left out; `None` if the shape has no such kernel.
+/// Runs the task with the kernel of this ID. The family may be left out of the ID. `None` if the shape has no such
+/// kernel.
 pub fn with_kernel<S: Registered, T: Task<S>>(id: &str, task: T) -> Option<T::Output> {
     struct Chosen<'a, T, O> {
         id: &'a str,

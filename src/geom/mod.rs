@@ -1,5 +1,5 @@
-//! Rays, hits and shapes: plain data, generic over the lane type; the arithmetic that keeps twins identical; and
-//! transforms.
+//! Rays, hits and shapes: plain data, generic over the lane type. [`lanes`] is the arithmetic that keeps twins
+//! identical, and [`transform`] the affine transforms.
 
 mod hit;
 pub mod lanes;

@@ -1,4 +1,4 @@
-//! Rays and packets of eight rays.
+//! Rays, and packets of eight rays.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -7,14 +7,14 @@ use super::lanes::{Lanes, Mask8, Vec3x8, eq8, ne8};
 
 /// One ray (`Ray<f32>`) or a packet of eight (`Ray<f32x8>`): the points `origin + t·dir` with `t_min <= t <= t_max`.
 ///
-/// `dir` need not have unit length: `t` counts in units of `|dir|`, and is the same before and after an affine
-/// transform of the ray. `t_max` may be infinite. An interval with `t_min > t_max` is empty; that is how a lane of a
-/// packet is switched off. A ray with a NaN anywhere, a zero direction, or an infinite origin or direction misses
-/// everything.
+/// `dir` need not have unit length. `t` counts in units of `|dir|` and is the same before and after an affine
+/// transform of the ray. `t_max` may be infinite. An interval with `t_min > t_max` is empty, which makes a lane of a
+/// packet inactive. A ray misses everything if it holds a NaN, if its direction is zero, or if its origin or
+/// direction is infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Ray<L: Lanes> {
-    /// Where `t` is zero.
+    /// The point at `t = 0`.
     pub origin: L::Vec3,
     /// Least `t` that counts.
     pub t_min: L,
@@ -25,7 +25,7 @@ pub struct Ray<L: Lanes> {
 }
 
 impl Ray<f32> {
-    /// The ray from `origin` along `dir`, `0 <= t`.
+    /// The ray from `origin` along `dir`, with `0 <= t`.
     #[inline]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {
         Self { origin, dir, t_min: 0.0, t_max: f32::INFINITY }
@@ -41,12 +41,12 @@ impl Ray<f32> {
         self.origin + self.dir * t
     }
 
-    /// Whether origin and direction are finite and the direction is not zero. The interval is not looked at: a NaN
-    /// bound already fails every comparison.
+    /// Whether origin and direction are finite and the direction is not zero. The interval is not tested: a NaN bound
+    /// already fails every comparison.
     #[inline(always)]
     pub fn is_valid(&self) -> bool {
         let (o, d) = (self.origin, self.dir);
-        // x · 0 is ±0 for a finite x and NaN otherwise.
+        // x · 0 is ±0 for a finite x, and NaN for any other x.
         let residue = (o.x * 0.0 + o.y * 0.0 + o.z * 0.0) + (d.x * 0.0 + d.y * 0.0 + d.z * 0.0);
         (residue == 0.0) & ((d.x != 0.0) | (d.y != 0.0) | (d.z != 0.0))
     }
@@ -75,7 +75,7 @@ impl Ray<f32x8> {
         }
     }
 
-    /// A packet of the first eight rays, or of fewer, with the remaining lanes [`Ray::INACTIVE`].
+    /// A packet of the first eight rays. If there are fewer, the other lanes are [`Ray::INACTIVE`].
     #[inline]
     pub fn from_slice(rays: &[Ray<f32>]) -> Self {
         let mut lanes = [Ray::INACTIVE; 8];

@@ -1,10 +1,10 @@
-//! Plain data: what is intersected, before any kernel prepares it.
+//! Shapes as plain data, before any kernel prepares them.
 
 use glam::{Affine3, Vec2, Vec3};
 
-/// A shape that kernels intersect, and the name of its family of kernels.
+/// A shape that kernels intersect.
 pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
-    /// First part of the IDs of its kernels.
+    /// Name of its family of kernels: the first part of their IDs.
     const FAMILY: &'static str;
 }
 
@@ -24,7 +24,7 @@ impl<S: Shape> Shape for Placed<S> {
     const FAMILY: &'static str = "instance";
 }
 
-/// A triangle. Its front side, and its normal, point to where the vertices appear counter-clockwise.
+/// A triangle. Seen from its front side, to which its normal points, the vertices are in counter-clockwise order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     /// Vertex with `u = v = 0`.
@@ -42,8 +42,8 @@ impl Triangle {
         [self.v0, self.v1, self.v2]
     }
 
-    /// Geometric normal `(v1 - v0) × (v2 - v0)`, of unit length; zero where the area is zero, not finite, or too small
-    /// to have a direction in `f32`.
+    /// The geometric normal `(v1 - v0) × (v2 - v0)`, of unit length. Zero if the area is zero, not finite, or too
+    /// small to have a direction in `f32`.
     #[inline]
     pub fn normal(&self) -> Vec3 {
         (self.v1 - self.v0).cross(self.v2 - self.v0).normalize_or_zero()
@@ -55,7 +55,7 @@ impl Triangle {
         self.v0 + (self.v1 - self.v0) * u + (self.v2 - self.v0) * v
     }
 
-    /// The smallest box around the vertices; [`Aabb::EMPTY`] where a coordinate is NaN.
+    /// The smallest box around the vertices. [`Aabb::EMPTY`] if a coordinate is NaN.
     #[inline]
     pub fn bounds(&self) -> Aabb {
         if self.v0.is_nan() | self.v1.is_nan() | self.v2.is_nan() {
@@ -65,8 +65,8 @@ impl Triangle {
     }
 }
 
-/// An axis-aligned box, closed on all sides. It may be flat; a box with `lo > hi` on some axis, or with a NaN, is
-/// empty.
+/// An axis-aligned box, closed on all sides. It may be flat. It is empty if `lo > hi` on some axis, or if it holds a
+/// NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     /// Least corner.
@@ -76,24 +76,24 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that contains nothing and grows to whatever it first includes.
+    /// The box that contains nothing. It grows to exactly the first point that it includes.
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
-    /// The smallest box around this one and `point`, which must not be NaN.
+    /// The smallest box around this box and `point`. `point` must not be NaN.
     #[inline]
     #[must_use]
     pub fn including(&self, point: Vec3) -> Self {
         Self { lo: self.lo.min(point), hi: self.hi.max(point) }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline]
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// This box, or [`Aabb::EMPTY`] if it contains no point or has a NaN: the one form kernels store.
+    /// This box, or [`Aabb::EMPTY`] if it contains no point or holds a NaN. Kernels store only this form.
     #[inline]
     #[must_use]
     pub fn or_empty(&self) -> Self {
@@ -114,18 +114,18 @@ impl Aabb {
     }
 }
 
-/// The part within a box of the surface `f(p) = 0`, where `f` is a polynomial of second degree in x, y and z. Its outside,
-/// where its normal points to, is where `f` is positive.
+/// The part of the surface `f(p) = 0` inside a box, where `f` is a polynomial of second degree in x, y and z. Its
+/// normal points to the outside, where `f` is positive.
 ///
-/// The constructors make the kinds that have names, about the z axis; whatever is turned, sheared or moved elsewhere is
-/// [`Placed`]. Where such a surface closes within its box (all of a sphere, the waist of a cylinder) the box is wider than
-/// the surface by one part in 1024, so that it cuts away only what it is meant to cut away: a box that touched the surface
-/// would leave it to rounding whether the points of contact belong to it.
+/// The constructors make the named kinds, about the z axis. To rotate, shear or move one, use [`Placed`]. Some
+/// surfaces close inside their box: all of a sphere, or the round sides of a cylinder. There the box is wider than
+/// the surface by one part in 1024. A box that touched the surface would leave it to rounding whether the points of
+/// contact belong to it.
 ///
-/// A quadric with a NaN or an infinity among its coefficients, or with an empty box, misses every ray.
+/// A quadric with an empty box, or with a coefficient that is NaN or infinite, misses every ray.
 ///
-/// Source: P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", implicit surfaces; the kinds are those of any
-/// textbook on analytic geometry.
+/// Source: P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", implicit surfaces. The kinds are
+/// those of any textbook on analytic geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadric {
     /// Coefficients of x², y² and z².
@@ -136,15 +136,15 @@ pub struct Quadric {
     pub linear: Vec3,
     /// The constant.
     pub constant: f32,
-    /// What lies outside of this box is cut away. Its surface belongs to it.
+    /// The surface outside this box is cut away. The box is closed.
     pub clip: Aabb,
 }
 
 impl Quadric {
-    /// How much wider than the surface a box is where it must not touch it.
+    /// How much wider a box is than the surface, where it must not touch it.
     const SLACK: f32 = 1.0 + 1.0 / 1024.0;
 
-    /// Without products and linear terms, in the box of which `half` is the greatest corner and `-half` the least.
+    /// A quadric without products and linear terms, in the box from `-half` to `half`.
     fn central(squares: Vec3, constant: f32, half: Vec3) -> Self {
         let clip = Aabb { lo: -half, hi: half };
         Self { squares, products: Vec3::ZERO, linear: Vec3::ZERO, constant, clip }
@@ -160,14 +160,14 @@ impl Quadric {
         Self::central((semi_axes * semi_axes).recip(), -1.0, semi_axes * Self::SLACK)
     }
 
-    /// `x² + y² = radius²`, `|z| <= half_height`: without caps.
+    /// `x² + y² = radius²`, `|z| <= half_height`, without caps.
     pub fn cylinder(radius: f32, half_height: f32) -> Self {
         let round = radius * Self::SLACK;
         Self::central(Vec3::new(1.0, 1.0, 0.0), -(radius * radius), Vec3::new(round, round, half_height))
     }
 
-    /// `x² + y² = (radius/height)²·z²`, `0 <= z <= height`: the apex is the origin, and the base, which is open, has this
-    /// radius.
+    /// `x² + y² = (radius/height)²·z²`, `0 <= z <= height`. The apex is the origin. The base has this radius and is
+    /// open.
     pub fn cone(radius: f32, height: f32) -> Self {
         let (slope, round) = (radius / height, radius * Self::SLACK);
         let mut cone = Self::central(Vec3::new(1.0, 1.0, -(slope * slope)), 0.0, Vec3::new(round, round, height));
@@ -201,18 +201,19 @@ impl Quadric {
         }
     }
 
-    /// `x²/a² + y²/b² - z²/c² = 1`, `|z| <= half_height`: in one piece, with an ellipse of semi-axes a and b as its waist.
+    /// `x²/a² + y²/b² - z²/c² = 1`, `|z| <= half_height`: one piece. Its waist is an ellipse with the semi-axes a and
+    /// b.
     pub fn hyperboloid_of_one_sheet(semi_axes: Vec3, half_height: f32) -> Self {
         let squares = (semi_axes * semi_axes).recip();
         let rim = semi_axes.truncate() * Vec2::new(1.0, half_height / semi_axes.z).length() * Self::SLACK;
         Self::central(squares * Vec3::new(1.0, 1.0, -1.0), -1.0, rim.extend(half_height))
     }
 
-    /// `z²/c² - x²/a² - y²/b² = 1`, `|z| <= half_height`: in two pieces, from `|z| = c` on; the outside is between them. For a
-    /// `half_height` below c nothing is left.
+    /// `z²/c² - x²/a² - y²/b² = 1`, `|z| <= half_height`: two pieces, from `|z| = c` on. The outside is between them.
+    /// Nothing is left if `half_height` is below c.
     pub fn hyperboloid_of_two_sheets(semi_axes: Vec3, half_height: f32) -> Self {
         let squares = (semi_axes * semi_axes).recip();
-        // The rim's ellipse is smaller than the asymptotic cone's.
+        // The ellipse at the rim is smaller than that of the asymptotic cone.
         let rim = semi_axes.truncate() * (half_height / semi_axes.z);
         Self::central(squares * Vec3::new(1.0, 1.0, -1.0), 1.0, rim.extend(half_height))
     }
@@ -227,8 +228,8 @@ impl Quadric {
             + self.constant
     }
 
-    /// The normal at a point of the surface: the gradient of `f`, of unit length; zero where it vanishes, as at the apex of a
-    /// cone.
+    /// The normal at a point of the surface: the gradient of `f`, of unit length. Zero where the gradient vanishes,
+    /// as at the apex of a cone.
     #[inline]
     pub fn normal(&self, point: Vec3) -> Vec3 {
         let (Vec3 { x, y, z }, Vec3 { x: yz, y: zx, z: xy }) = (point, self.products);
@@ -236,7 +237,7 @@ impl Quadric {
         (self.squares * point * 2.0 + mixed + self.linear).normalize_or_zero()
     }
 
-    /// A box around it: the one it is clipped by, or [`Aabb::EMPTY`] for a quadric that misses every ray.
+    /// A box around the quadric: its clip box, or [`Aabb::EMPTY`] if it misses every ray.
     #[inline]
     pub fn bounds(&self) -> Aabb {
         if self.is_finite() { self.clip.or_empty() } else { Aabb::EMPTY }
@@ -249,7 +250,7 @@ impl Quadric {
     }
 }
 
-/// A shape put into the world by an affine transform: what an instance is, before it is prepared.
+/// A shape placed in the world by an affine transform: an instance before it is prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed<S> {
     /// The shape in its own coordinates.
@@ -293,7 +294,7 @@ mod tests {
             let Aabb { lo, hi } = quadric.bounds();
             assert!(point.cmpge(lo).all() && point.cmple(hi).all(), "{quadric:?}: {point}");
         }
-        // A saddle, xy = z, has its gradient at (1, 2, 2) along (2, 1, -1).
+        // The saddle xy = z has the gradient (2, 1, -1) at (1, 2, 2).
         let saddle = Quadric {
             products: Vec3::new(0.0, 0.0, 1.0),
             linear: Vec3::NEG_Z,
@@ -305,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_with_nan_or_inverted_sides_are_empty() {
+    fn boxes_with_nan_or_lo_above_hi_are_empty() {
         let triangle = Triangle { v0: Vec3::ZERO, v1: Vec3::new(1.0, f32::NAN, 0.0), v2: Vec3::Y };
         for rotation in 0..3 {
             let [a, b, c] = triangle.vertices();

@@ -1,8 +1,8 @@
-//! Scaling, rotation, shear and translation in the plane and in space, each with its inverse in closed form, and chains
-//! of them.
+//! Affine transforms of the plane and of space: scaling, rotation, shear and translation, each with its inverse in
+//! closed form, and chains of them.
 //!
-//! A chain composes from left to right as written: the first transform is applied first, so its matrix stands rightmost
-//! in the product. The inverse of a chain is the chain of the inverses in reverse order.
+//! A chain applies its transforms from left to right: the first one first. In the product of matrices the first one
+//! is rightmost. The inverse of a chain is the chain of the inverses in reverse order.
 //!
 //! | | row equations | inverse |
 //! | --- | --- | --- |
@@ -13,15 +13,16 @@
 //! | rotation about z by φ | `x' = cos φ·x - sin φ·y`, `y' = sin φ·x + cos φ·y`, `z' = z` | by -φ, the transpose |
 //! | shear of x by y, factor h | `x' = x + h·y`, `y' = y`, `z' = z` | factor -h |
 //!
-//! and the same for the five other pairs of axes. In the plane leave z out; the rotation is the one about z. The
-//! slides that go with the textbook print the first row of the shear as `x' = x + h`, without the factor y. That is a
-//! translation; the shear matrix beside it, with h in row x and column y, is right, and is the one used here.
+//! and the same for the five other pairs of axes. In the plane leave out z; the rotation is the one about z. The
+//! slides to the textbook print the first row of the shear as `x' = x + h`, without the factor y. That is a
+//! translation. The shear matrix beside it, with h in row x and column y, is right and is used here.
 //!
-//! Entries are computed in `f64` and rounded to `f32` once, after all products, so that a chain of many transforms is as
-//! accurate as one. Sine and cosine come from the `libm` crate: the platform's differ from machine to machine.
+//! Entries are computed in `f64` and rounded to `f32` once, after all products. So a chain of many transforms is as
+//! accurate as one. Sine and cosine come from the `libm` crate, because those of the platform differ from machine to
+//! machine.
 //!
-//! Results are glam's affine types, which leave out the last row of the homogeneous matrix, always (0, …, 0, 1). The
-//! full 3×3 and 4×4 matrices are `Mat3::from` and `Mat4::from` of them:
+//! Results are glam's affine types. They leave out the last row of the homogeneous matrix, which is always (0, …, 0,
+//! 1). `Mat3::from` and `Mat4::from` give the full 3×3 and 4×4 matrices:
 //!
 //! ```
 //! use glam::{Mat4, Vec3};
@@ -33,7 +34,7 @@
 //!     Transform3::RotateZ(90.0),
 //!     Transform3::Translate(Vec3::new(0.0, 0.0, 3.0)),
 //! ];
-//! // (1, 2, 0) is stretched to (2, 2, 0), sheared to (3, 2, 0), turned to (-2, 3, 0) and lifted to (-2, 3, 3).
+//! // (1, 2, 0) is scaled to (2, 2, 0), sheared to (3, 2, 0), rotated to (-2, 3, 0) and moved to (-2, 3, 3).
 //! let object_to_world = Transform3::chain(&chain);
 //! assert_eq!(object_to_world.transform_point3(Vec3::new(1.0, 2.0, 0.0)), Vec3::new(-2.0, 3.0, 3.0));
 //!
@@ -72,39 +73,39 @@ impl fmt::Display for Axis {
     }
 }
 
-/// One transform of space. Angles are in degrees, counter-clockwise as seen from the tip of the axis; multiples of 90
+/// One transform of space. Angles are in degrees, counter-clockwise as seen from the tip of the axis. Multiples of 90
 /// are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transform3 {
     /// Moves by this vector.
     Translate(Vec3),
-    /// Multiplies each coordinate by its own factor. A negative one mirrors.
+    /// Multiplies each coordinate by its own factor. A negative factor mirrors.
     Scale(Vec3),
-    /// Turns y towards z.
+    /// Rotates y towards z.
     RotateX(f32),
-    /// Turns z towards x.
+    /// Rotates z towards x.
     RotateY(f32),
-    /// Turns x towards y.
+    /// Rotates x towards y.
     RotateZ(f32),
     /// Adds `factor` times the coordinate `by` to the coordinate `axis`.
     Shear {
         /// The coordinate that changes.
         axis: Axis,
-        /// The coordinate that it is changed by, another one.
+        /// The coordinate that is added. It differs from `axis`.
         by: Axis,
-        /// How much by.
+        /// The multiple of it that is added.
         factor: f32,
     },
 }
 
-/// One transform of the plane. Angles are in degrees, counter-clockwise; multiples of 90 are exact.
+/// One transform of the plane. Angles are in degrees, counter-clockwise. Multiples of 90 are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transform2 {
     /// Moves by this vector.
     Translate(Vec2),
-    /// Multiplies each coordinate by its own factor. A negative one mirrors.
+    /// Multiplies each coordinate by its own factor. A negative factor mirrors.
     Scale(Vec2),
-    /// Turns x towards y.
+    /// Rotates x towards y.
     Rotate(f32),
     /// Adds this many times y to x.
     ShearX(f32),
@@ -112,7 +113,7 @@ pub enum Transform2 {
     ShearY(f32),
 }
 
-/// A transform that has no inverse, or no meaning.
+/// A transform without inverse or without meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidTransform<T> {
     /// The transform that was refused.
@@ -159,7 +160,7 @@ impl fmt::Display for Transform2 {
 }
 
 impl Transform3 {
-    /// Whether the transform has an inverse.
+    /// Checks that the transform has an inverse.
     ///
     /// # Errors
     /// If a number is not finite, a scaling has a factor of zero, or an axis is sheared by itself.
@@ -181,8 +182,8 @@ impl Transform3 {
         }
     }
 
-    /// Its matrix: exact for translation, scaling and shear; sines and cosines have a relative error below 2⁻⁵⁰. NaN
-    /// where a number is.
+    /// The matrix. Exact for translation, scaling and shear. Sines and cosines have a relative error below 2⁻⁵⁰. A
+    /// NaN gives NaN entries.
     pub fn matrix(&self) -> DAffine3 {
         let about = |[from, to]: [usize; 2], degrees| {
             let (sin, cos) = sin_cos(degrees);
@@ -207,8 +208,8 @@ impl Transform3 {
         }
     }
 
-    /// The matrix of its inverse, in closed form: as accurate as [`Transform3::matrix`], but for one rounding where a
-    /// scaling is inverted.
+    /// The matrix of the inverse, in closed form. As accurate as [`Transform3::matrix`], except for one rounding
+    /// where a scaling is inverted.
     ///
     /// # Errors
     /// See [`Transform3::check`].
@@ -224,14 +225,15 @@ impl Transform3 {
         })
     }
 
-    /// The transforms one after the other, the first one first; the identity for none. Not checked: a scaling by zero
-    /// gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is infinite.
+    /// The transforms one after the other, the first one first. No transform gives the identity. Nothing is checked:
+    /// a scaling by zero gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is
+    /// infinite.
     pub fn chain(transforms: &[Self]) -> Affine3 {
         transforms.iter().fold(DAffine3::IDENTITY, |chain, next| next.matrix() * chain).as_affine3()
     }
 
-    /// The inverse of [`Transform3::chain`]: the inverses one after the other, the last one first. An entry beyond the
-    /// range of `f32` is infinite.
+    /// The inverse of [`Transform3::chain`]: the inverses one after the other, the last one first. An entry beyond
+    /// the range of `f32` is infinite.
     ///
     /// # Errors
     /// The first transform that has no inverse: see [`Transform3::check`].
@@ -242,7 +244,7 @@ impl Transform3 {
 }
 
 impl Transform2 {
-    /// Whether the transform has an inverse.
+    /// Checks that the transform has an inverse.
     ///
     /// # Errors
     /// If a number is not finite, or a scaling has a factor of zero.
@@ -258,8 +260,8 @@ impl Transform2 {
         }
     }
 
-    /// Its matrix: exact for translation, scaling and shear; sines and cosines have a relative error below 2⁻⁵⁰. NaN
-    /// where a number is.
+    /// The matrix. Exact for translation, scaling and shear. Sines and cosines have a relative error below 2⁻⁵⁰. A
+    /// NaN gives NaN entries.
     pub fn matrix(&self) -> DAffine2 {
         let linear = |x_axis: [f64; 2], y_axis: [f64; 2]| {
             DAffine2::from_mat2(DMat2::from_cols(DVec2::from(x_axis), DVec2::from(y_axis)))
@@ -276,8 +278,8 @@ impl Transform2 {
         }
     }
 
-    /// The matrix of its inverse, in closed form: as accurate as [`Transform2::matrix`], but for one rounding where a
-    /// scaling is inverted.
+    /// The matrix of the inverse, in closed form. As accurate as [`Transform2::matrix`], except for one rounding
+    /// where a scaling is inverted.
     ///
     /// # Errors
     /// See [`Transform2::check`].
@@ -292,14 +294,15 @@ impl Transform2 {
         })
     }
 
-    /// The transforms one after the other, the first one first; the identity for none. Not checked: a scaling by zero
-    /// gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is infinite.
+    /// The transforms one after the other, the first one first. No transform gives the identity. Nothing is checked:
+    /// a scaling by zero gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is
+    /// infinite.
     pub fn chain(transforms: &[Self]) -> Affine2 {
         transforms.iter().fold(DAffine2::IDENTITY, |chain, next| next.matrix() * chain).as_affine2()
     }
 
-    /// The inverse of [`Transform2::chain`]: the inverses one after the other, the last one first. An entry beyond the
-    /// range of `f32` is infinite.
+    /// The inverse of [`Transform2::chain`]: the inverses one after the other, the last one first. An entry beyond
+    /// the range of `f32` is infinite.
     ///
     /// # Errors
     /// The first transform that has no inverse: see [`Transform2::check`].
@@ -309,10 +312,11 @@ impl Transform2 {
     }
 }
 
-/// Sine and cosine of an angle in degrees, the same bits on every machine; exact for multiples of 90, NaN for a NaN or an
-/// infinity.
+/// Sine and cosine of an angle in degrees, with the same bits on every machine. Exact for multiples of 90. NaN for
+/// NaN and infinity.
 ///
-/// The angle is reduced to at most 45 degrees, which is exact, before it becomes radians, which is not.
+/// The angle is first reduced to at most 45 degrees, which is exact. Only then is it converted to radians, which
+/// rounds.
 fn sin_cos(degrees: f32) -> (f64, f64) {
     let (rest, quarters) = libm::remquo(degrees.into(), 90.0);
     let (sin, cos) = libm::sincos(rest.to_radians());
@@ -337,7 +341,7 @@ mod tests {
         Transform3::Shear { axis, by, factor }
     }
 
-    /// One transform of each kind, with numbers of few bits and angles of 90 degrees: everything is exact.
+    /// One transform of each kind, with numbers of few bits and multiples of 90 degrees: everything is exact.
     fn exact3() -> Vec<Transform3> {
         use Axis::{X, Y, Z};
         let pairs = [(X, Y), (X, Z), (Y, X), (Y, Z), (Z, X), (Z, Y)];
@@ -404,7 +408,7 @@ mod tests {
 
     #[test]
     fn order_matters() {
-        // Stretched, then turned, a point on x is twice as far along y; turned, then stretched, it is not.
+        // Scaling, then rotation moves a point on x to twice its distance on y. Rotation, then scaling does not.
         let (stretch, turn) = (Transform3::Scale(v(2.0, 1.0, 1.0)), Transform3::RotateZ(90.0));
         assert_eq!(Transform3::chain(&[stretch, turn]).transform_point3(Vec3::X), v(0.0, 2.0, 0.0));
         assert_eq!(Transform3::chain(&[turn, stretch]).transform_point3(Vec3::X), v(0.0, 1.0, 0.0));
@@ -414,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn inverses_undo_their_transforms_exactly_where_numbers_are_dyadic() {
+    fn inverses_are_exact_for_numbers_of_few_bits() {
         for transform in exact3() {
             let (matrix, inverse) = (transform.matrix(), transform.inverse().unwrap());
             assert_eq!(matrix * inverse, DAffine3::IDENTITY, "{transform}");
@@ -443,7 +447,7 @@ mod tests {
         for turns in -9i16..=9 {
             assert_eq!(sin_cos(f32::from(turns) * 90.0), quarter[usize::from(turns.rem_euclid(4) as u16)], "{turns}");
         }
-        // 2¹²⁷ degrees are so many whole turns and this rest.
+        // 2¹²⁷ degrees are a number of whole turns and this rest.
         let rest = (0..127).fold(1u16, |rest, _| rest * 2 % 360);
         assert_eq!(sin_cos(2f32.powi(127)), sin_cos(f32::from(rest)));
         assert_eq!(sin_cos(30.0).0 as f32, 0.5);
@@ -453,7 +457,7 @@ mod tests {
             let (sin, cos) = sin_cos(degrees);
             assert_eq!((sin.abs() as f32, cos.abs() as f32), (0.5f32.sqrt(), 0.5f32.sqrt()), "{degrees}");
         }
-        // On the unit circle, to the roundings of two squares and a sum beside its own.
+        // The point is on the unit circle, up to the rounding of two squares and a sum.
         for step in -2000i16..2000 {
             let (sin, cos) = sin_cos(f32::from(step) * 0.37);
             assert!((sin * sin + cos * cos - 1.0).abs() <= 4.0 * f64::EPSILON, "{step}");
@@ -462,7 +466,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_inverse_is_refused_by_name_and_value() {
+    fn transforms_without_inverse_are_refused_with_name_and_value() {
         let cases = [
             (Transform3::Scale(v(1.0, 0.0, 2.0)), "scaling by [1, 0, 2]: a factor of zero has no inverse"),
             (Transform3::Scale(v(1.0, -0.0, 2.0)), "scaling by [1, -0, 2]: a factor of zero has no inverse"),

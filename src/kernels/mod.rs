@@ -1,14 +1,15 @@
 //! The contract between twins, and the families of kernels.
 //!
 //! A kernel is a struct generic over its lane type: `MollerTrumbore<f32>` is one prepared triangle,
-//! `MollerTrumbore<f32x8>` eight of them. It is written twice:
+//! `MollerTrumbore<f32x8>` is eight. It is written twice:
 //!
-//! - the **scalar twin**, `impl Intersect<f32> for K<f32>`, in plain glam, is the specification;
-//! - the **packet twin**, `impl<P: Lanes> Intersect<f32x8> for K<P>`, is its translation line by line. Whatever of the
-//!   primitive is not yet eight lanes wide is widened first, so this one body serves eight rays against one primitive
-//!   (`P = f32`), and one ray, splatted, against eight primitives (`P = f32x8`).
+//! - The **scalar twin**, `impl Intersect<f32> for K<f32>`, in plain glam, is the specification.
+//! - The **packet twin**, `impl<P: Lanes> Intersect<f32x8> for K<P>`, is its translation, line by line. It first
+//!   widens the primitive to eight lanes. So one body serves eight rays against one primitive (`P = f32`) and one
+//!   ray, copied to eight lanes, against eight primitives (`P = f32x8`).
 //!
-//! Both give the same bits for every input; `tests/twins.rs` demands it of everything in the [registry](crate::registry).
+//! Both give the same bits for every input. `tests/twins.rs` checks that for every kernel in the
+//! [registry](crate::registry).
 
 #[macro_use]
 mod prepared;
@@ -24,21 +25,22 @@ use self::aabb::Slabs;
 pub use crate::geom::Shape;
 use crate::geom::{Hit, Lanes, Ray};
 
-/// Anything that one ray (`L = f32`) or eight (`L = f32x8`) can be intersected with: a prepared primitive, an instance
-/// of one, a whole scene.
+/// Anything that one ray (`L = f32`) or eight (`L = f32x8`) can be intersected with: a prepared primitive, an
+/// instance, a whole scene.
 ///
 /// Implementations are total: no input makes them panic, and no hit holds a NaN.
 pub trait Intersect<L: Lanes> {
-    /// What is computed once per ray and used for every primitive, such as the inverse direction.
+    /// Data that is computed once per ray and used for every primitive, such as the inverse direction.
     type Setup: Copy;
 
     /// Computes the per-ray data.
     fn setup(ray: &Ray<L>) -> Self::Setup;
 
-    /// [`Intersect::closest_hit`] for less: in those of eight lanes that miss, all but the mask may be anything, also NaN.
+    /// Like [`Intersect::closest_hit`], but cheaper: in lanes that miss, only `mask` is defined. The rest may be
+    /// anything, also NaN. A single ray that misses returns [`Hit::MISS`].
     fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L>;
 
-    /// The closest hit within the ray's interval. `setup` must be this ray's own.
+    /// The closest hit within the ray's interval. `setup` must be that of the same ray.
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L> {
         L::or_miss(self.candidate(ray, setup))
@@ -50,37 +52,37 @@ pub trait Intersect<L: Lanes> {
         self.candidate(ray, setup).mask
     }
 
-    /// [`Intersect::closest_hit`] for a ray that meets nothing else: setup and test in one call.
+    /// [`Intersect::closest_hit`] with setup and test in one call, for a ray that is tested once.
     #[inline(always)]
     fn hit(&self, ray: &Ray<L>) -> Hit<L> {
         self.closest_hit(ray, &Self::setup(ray))
     }
 }
 
-/// One intersection method for one shape; implemented by its scalar prepared primitive.
+/// One intersection method for one shape. The prepared primitive of the scalar twin implements this trait.
 pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// What it intersects.
+    /// The shape that it intersects.
     type Shape: Shape;
     /// Eight prepared primitives, for one ray against eight of them.
     type Packet: Intersect<f32x8, Setup = <Self as Intersect<f32x8>>::Setup> + Copy + core::fmt::Debug + Send + Sync;
     /// Name, source, cost and claims.
     const INFO: Info;
 
-    /// Computes what does not depend on the ray. A shape the kernel cannot represent (degenerate, not finite) prepares
-    /// into a primitive that misses.
+    /// Computes what does not depend on the ray. A shape that the kernel cannot represent (degenerate or not finite)
+    /// becomes a primitive that misses.
     fn prepare(shape: &Self::Shape) -> Self;
 
     /// Lane `i` becomes `primitives[i]`.
     fn gather(primitives: &[Self; 8]) -> Self::Packet;
 
-    /// What [`Kernel::gather`] put into a lane.
+    /// The primitive that [`Kernel::gather`] put into a lane.
     ///
     /// # Panics
     /// If `lane >= 8`.
     fn lane(packet: &Self::Packet, lane: usize) -> Self;
 
-    /// The boxes of the shapes, where a prepared primitive contains what determines them exactly: a tree then need not keep
-    /// them as well.
+    /// The boxes of the eight shapes, if the prepared primitives determine them exactly. A tree then need not store
+    /// them.
     #[inline(always)]
     fn bounds(_packet: &Self::Packet) -> Option<Slabs<f32x8>> {
         None
@@ -96,15 +98,15 @@ pub struct Info {
     pub idea: &'static str,
     /// Authors, title, year.
     pub source: &'static str,
-    /// Arithmetic per test once primitive and ray are prepared.
+    /// Arithmetic per test, once primitive and ray are prepared.
     pub operations: Operations,
     /// Arithmetic per ray to prepare it.
     pub setup: Operations,
-    /// What the tests hold it to, without tolerance.
+    /// Promises that the tests enforce, without tolerance.
     pub claims: &'static [Claim],
 }
 
-/// Name of a kernel: `family/name`, followed for an instance by the name of the kernel it is an instance of.
+/// Name of a kernel: `family/name`. For an instance the name of the inner kernel follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Id {
     /// `family/name`.
@@ -114,7 +116,7 @@ pub struct Id {
 }
 
 impl Id {
-    /// The ID of a kernel that has no other inside.
+    /// The ID of a kernel without an inner one.
     pub const fn of(method: &'static str) -> Self {
         Self { method, inner: None }
     }
@@ -127,10 +129,10 @@ impl core::fmt::Display for Id {
     }
 }
 
-/// Floating-point operations of one test that is computed to its end; selections, logic and conversions are not counted.
+/// Floating-point operations of one test that runs to its end. Selections, logic and conversions are not counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Operations {
-    /// Multiplications, of `f32` and `f64` together, as in the next fields.
+    /// Multiplications, in `f32` and `f64` together. The next fields count both too.
     pub mul: u32,
     /// Additions and subtractions.
     pub add: u32,
@@ -138,15 +140,15 @@ pub struct Operations {
     pub compare: u32,
     /// Divisions and square roots.
     pub div: u32,
-    /// Multiplications that are fused with an addition; both are counted above.
+    /// Multiplications that are fused with an addition. Both are counted above.
     pub fused: u32,
     /// Numbers of the prepared primitive that are read.
     pub reads: u32,
-    /// How many of the above are in `f64`.
+    /// The part of the above that is in `f64`.
     pub double: DoubleOperations,
 }
 
-/// Those of [`Operations`] that are in `f64`.
+/// The part of [`Operations`] that is in `f64`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DoubleOperations {
     /// Multiplications.
@@ -169,7 +171,7 @@ impl Operations {
     pub const NONE: Self =
         Self { mul: 0, add: 0, compare: 0, div: 0, fused: 0, reads: 0, double: DoubleOperations::NONE };
 
-    /// Both, one after the other.
+    /// The sum of both.
     pub const fn and(self, other: Self) -> Self {
         let (a, b) = (self.double, other.double);
         Self {
@@ -189,29 +191,30 @@ impl Operations {
     }
 }
 
-/// A promise that a kernel makes. The tests enforce it without tolerance, and the study looks for a violation by every
-/// kernel of the family that does not make it: a promise that everyone could make is no information.
+/// A promise that a kernel makes. The tests enforce it without tolerance. The study also looks for a violation by
+/// every kernel of the family that does not make it: a promise that every kernel could make is no information.
 ///
-/// The promises about meshes are about triangles that all face the ray the same way (at a silhouette a ray may pass
-/// between two faces), and of which rounding the vertices, by an ulp of their distance from the ray's origin, turns none
-/// over: a triangle seen nearly edge-on, or a sliver, may be rejected by its other edges or hit beside its neighbours. None
-/// holds where an intermediate product overflows or is subnormal.
+/// The claims about meshes hold for triangles that all face the ray in the same way: at a silhouette a ray may pass
+/// between two of them. Rounding the vertices by one ulp of their distance from the ray's origin must not flip any
+/// triangle. A triangle seen nearly edge-on, or a sliver, may be rejected by its other edges or hit beside its
+/// neighbours. No claim holds where an intermediate product overflows or is subnormal.
 ///
-/// The promises about quadrics are not about rays that pass an apex, or the rim where the box cuts, within an ulp of their
-/// own coordinates, nor about rays that start within a box but 1e7 times the size of the surface away from it.
+/// The claims about quadrics exclude rays that pass an apex, or the rim where the box cuts, within an ulp of their
+/// own coordinates. They also exclude rays that start inside a box but 1e7 times the surface's size away from the
+/// surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Claim {
-    /// Of two triangles that share an edge, a ray through that edge hits at least one.
+    /// A ray through an edge of two triangles hits at least one of them.
     EdgeWatertight,
-    /// Of the triangles around a vertex, a ray through that vertex hits at least one.
+    /// A ray through a vertex hits at least one of the triangles around it.
     VertexWatertight,
-    /// A ray through a mesh hits exactly one of its triangles, also where it exactly meets an edge or a vertex.
+    /// A ray through a mesh hits exactly one of its triangles, even exactly at an edge or a vertex.
     SingleHit,
-    /// A box: never misses what is exactly hit.
+    /// A box: never misses where the exact answer is a hit.
     Conservative,
-    /// A quadric: hits exactly the rays that exactly hit, but for those where that hangs on an equality.
+    /// A quadric: always right about hitting, except where the exact answer depends on an equality.
     RightDecision,
-    /// A quadric: the `t` of every hit that is one is right to 1 %.
+    /// A quadric: `t` of every true hit is right to 1 %.
     NoGrossError,
 }
 

@@ -1,14 +1,14 @@
 //! `prepared!`: the struct of a prepared primitive, and how one primitive becomes eight.
 //!
-//! The struct is written as usual, generic over the lanes `P`. A field is `P` (a number), `P::Vec3`, or another prepared
-//! struct such as `Slabs<P>`. The macro adds the derives and three functions, which only copy numbers:
+//! The struct is written as usual, generic over the lanes `P`. A field is `P` (a number), `P::Vec3`, or another
+//! prepared struct such as `Slabs<P>`. The macro adds the derives and three functions, which only copy numbers:
 //!
 //! - `gather` puts eight primitives into the lanes of one struct.
 //! - `lane` takes one of them out again.
 //! - `widen` makes any primitive eight lanes wide: one becomes eight copies, eight stay as they are.
 //!
-//! `prepared!(gather, lane);` in an `impl Kernel` implements the trait's functions by the first two. Arithmetic is never
-//! generated.
+//! `prepared!(gather, lane);` in an `impl Kernel` implements the trait's functions by the first two. Arithmetic is
+//! never generated.
 
 macro_rules! prepared {
     ($(#[$attribute:meta])* $vis:vis struct $Name:ident<P: Lanes> {

@@ -1,7 +1,7 @@
-//! Boxes, by slabs: the ray's own interval, cut down by each pair of planes in turn.
+//! Boxes, by slabs: each pair of planes cuts the ray's own interval in turn.
 //!
-//! A box is the set of the points it contains. So a ray that runs parallel to a slab is within it or not, an infinite
-//! plane cuts nothing off, and a box whose least plane is `+∞`, or greatest `-∞`, is empty.
+//! A box is the set of the points that it contains. A ray parallel to a slab is either in it or not. An infinite
+//! plane cuts nothing off. A box whose least plane is `+∞`, or whose greatest plane is `-∞`, is empty.
 
 use core::cmp::Ordering;
 
@@ -36,22 +36,22 @@ fn truth<N: Number>(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Trut
     if order.is_gt() {
         return Some(Truth::MISS);
     }
-    // Where entry and exit are one point, the box's surface is there, unless no plane had a part in it: then the
-    // interval itself is that one point, and the box reaches beyond it on both sides.
+    // If entry and exit are one point, the ray touches the surface there. The exception is an interval of one point
+    // that no plane cut: the box reaches beyond it on both sides.
     let touching = order.is_eq() && !matches!((&entry, &exit), (Bound::Interval(_), Bound::Interval(_)));
     Some(Truth { hit: true, boundary: in_box_plane | touching, t: entry.round()?, u: exit.round()?, v: 0.0 })
 }
 
-/// The part of the ray that lies within its interval and the box; empty where `exit` comes before `entry`.
+/// The part of the ray inside both its interval and the box. Empty if `exit` comes before `entry`.
 pub(super) struct Segment<N> {
     pub(super) entry: Bound<N>,
     pub(super) exit: Bound<N>,
-    /// Whether it runs along in a plane of the box.
+    /// Whether the ray runs in a plane of the box.
     pub(super) in_box_plane: bool,
 }
 
 impl<N: Number> Segment<N> {
-    /// The outer `None` is doubt, the inner one a box that is empty or that the ray runs past, parallel to a slab.
+    /// The outer `None` is a doubt. The inner `None` is an empty box, or a ray that passes it parallel to a slab.
     pub(super) fn of(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Option<Self>> {
         if is_empty(shape) {
             return Some(None);
@@ -93,7 +93,7 @@ fn is_empty(shape: &Aabb) -> bool {
     !ordered.all()
 }
 
-/// Stands in for infinite planes, which are skipped.
+/// Replaces infinite planes, which are skipped.
 fn zero_unless_finite(corner: Vec3) -> Vec3 {
     Vec3::select(corner.is_finite_mask(), corner, Vec3::ZERO)
 }
@@ -122,13 +122,13 @@ impl<N: Number> Bound<N> {
         }
     }
 
-    /// The later one; the plane when they are equal.
+    /// The later bound. The plane if they are equal.
     fn latest(self, plane: Option<Self>) -> Option<Self> {
         let Some(plane) = plane else { return Some(self) };
         Some(if plane.compare(&self)?.is_ge() { plane } else { self })
     }
 
-    /// The earlier one; the plane when they are equal.
+    /// The earlier bound. The plane if they are equal.
     fn earliest(self, plane: Option<Self>) -> Option<Self> {
         let Some(plane) = plane else { return Some(self) };
         Some(if plane.compare(&self)?.is_le() { plane } else { self })

@@ -1,4 +1,4 @@
-//! Exact arithmetic on whole numbers times powers of two, and the one rounding at its end.
+//! Exact arithmetic on integers times powers of two, and the one rounding at the end.
 
 use core::cmp::Ordering;
 
@@ -10,8 +10,9 @@ use super::number::{Number, Root};
 
 /// `int · 2^exponent`, exactly.
 ///
-/// Sums of different exponents shift one operand. The formulas for triangles and boxes are homogeneous, so this hardly ever
-/// happens there once the inputs that are added to each other have one exponent ([`Number::vectors`]).
+/// A sum of numbers with different exponents shifts one operand. The formulas for triangles and boxes are
+/// homogeneous. So this hardly ever happens there if the inputs that are added to each other have one exponent
+/// ([`Number::vectors`]).
 #[derive(Clone, Debug)]
 pub(super) struct Dyadic {
     int: IBig,
@@ -71,9 +72,9 @@ impl Number for Dyadic {
         })
     }
 
-    /// Takes 31 or 32 bits of the quotient and, as a sticky bit, whether any follow. `f64` holds them exactly, and
-    /// its conversion rounds them to the (at most 24) bits of an `f32`, to subnormals and to infinity included: with
-    /// the sticky bit further right than the first rounded-off bit, every tie is a true one.
+    /// Takes 31 or 32 bits of the quotient, and a sticky bit that tells whether any bits follow. `f64` holds them
+    /// exactly. Its conversion rounds them to `f32`, also to subnormals and to infinity. An `f32` has at most 24
+    /// bits, so the sticky bit is to the right of the first bit that is rounded off, and every tie is a true one.
     fn divided_by(&self, divisor: &Self) -> Option<f32> {
         if self.int.is_zero() {
             return Some(0.0);
@@ -91,16 +92,17 @@ impl Number for Dyadic {
             exponent += shift as i32;
         }
         let (quotient, rest) = num.div_rem(den);
-        let bits = u32::try_from(quotient).expect("a quotient of at most 32 bits") | u32::from(!rest.is_zero());
+        let bits = u32::try_from(quotient).expect("a quotient has at most 32 bits") | u32::from(!rest.is_zero());
         let magnitude = (f64::from(bits) * power_of_two(exponent)) as f32;
         Some(if self.int.sign() == Sign::Negative { -magnitude } else { magnitude })
     }
 
-    /// Puts in place of the square root a number that is on the same side as the root, or equal, of everything that
-    /// decides the rounding. These are the midpoints between neighbours in `f32`, which are multiples of 2⁻¹⁵⁰: a root `t`
-    /// of the polynomial is on one side of a midpoint m where `√discriminant` is on the same side of ±(m·a + b), a
-    /// multiple of some power of two. So it is enough to take the whole multiples of that power that are in the root, and
-    /// another half where anything is left.
+    /// Replaces `√discriminant` by a number that gives the same rounding.
+    ///
+    /// The midpoints between neighbours in `f32` decide the rounding. They are multiples of 2⁻¹⁵⁰. A root `t`
+    /// compares with a midpoint m as `√discriminant` compares with ±(m·a + b), a multiple of some power of two. So it
+    /// is enough to take the largest multiple of that power that is in the square root, and to add half of that power
+    /// if anything is left.
     fn root(a: &Self, b: &Self, _c: &Self, discriminant: &Self, which: Root) -> Option<f32> {
         let exponent = (a.exponent - 150).min(b.exponent).min(discriminant.exponent.div_euclid(2));
         let shift = (discriminant.exponent - 2 * exponent) as usize;
@@ -115,11 +117,11 @@ impl Number for Dyadic {
     }
 }
 
-/// A finite number as `(mantissa, exponent)`, its value being `mantissa · 2^exponent`, with the least mantissa.
+/// A finite number as `(mantissa, exponent)`, with the smallest mantissa. Its value is `mantissa · 2^exponent`.
 fn split(value: f32) -> (i32, i32) {
     let bits = value.to_bits();
     let (field, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
-    // Subnormals have the exponent of the smallest normal numbers, and no implicit leading bit.
+    // Subnormals have the exponent of the smallest normal numbers and no implicit leading bit.
     let magnitude = if field == 0 { fraction } else { fraction | 1 << 23 };
     if magnitude == 0 {
         return (0, 0);
@@ -129,7 +131,7 @@ fn split(value: f32) -> (i32, i32) {
     (if value < 0.0 { -mantissa } else { mantissa }, field.max(1) - 150 + zeros as i32)
 }
 
-/// `2^exponent`, or a power that is as surely beyond the range of `f32`, on the same side.
+/// `2^exponent`. Exponents beyond ±500 become ±500, which is also beyond the range of `f32`.
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent.clamp(-500, 500) + 1023) as u64) << 52)
 }

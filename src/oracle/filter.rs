@@ -1,4 +1,4 @@
-//! The filter: `f64` arithmetic that carries a bound of its own rounding error.
+//! The filter: arithmetic in `f64` that carries a bound of its own rounding error.
 
 use core::cmp::Ordering;
 
@@ -6,17 +6,17 @@ use glam::Vec3;
 
 use super::number::{Number, Root};
 
-/// Half the spacing of `f64` at 1: the relative error of one rounding.
+/// Half the distance from 1 to the next `f64`: the relative error of one rounding.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Makes up for the at most ten roundings, each by one [`UNIT`] at most, within the computation of one error bound.
+/// Covers the roundings within the computation of one error bound: at most ten, each by at most one [`UNIT`].
 const ROUND_UP: f64 = 1.0 + 16.0 * UNIT;
 
-/// A number known to be no further than `error` from `value`.
+/// A number that is at most `error` away from `value`.
 ///
-/// The bound is proven step by step: each operation adds its own rounding error (N. Higham, "Accuracy and Stability of
-/// Numerical Algorithms", section 3.3, running error analysis) to what its operands' errors contribute. Overflow makes
-/// value or bound infinite or NaN, and every question about such a number is answered with doubt.
+/// The bound is proven step by step: each operation adds its own rounding error to the errors of its operands (N.
+/// Higham, "Accuracy and Stability of Numerical Algorithms", section 3.3, running error analysis). Overflow makes the
+/// value or the bound infinite or NaN. Every question about such a number is answered with a doubt.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounded {
     value: f64,
@@ -24,7 +24,7 @@ pub(super) struct Bounded {
 }
 
 impl Bounded {
-    /// The result of one operation: rounded to `value`, with `inherited` the bound of what the operands contribute.
+    /// The result of one operation, rounded to `value`. `inherited` bounds the errors that come from the operands.
     #[inline(always)]
     fn rounded(value: f64, inherited: f64) -> Self {
         Self { value, error: (inherited + value.abs() * UNIT) * ROUND_UP }
@@ -49,15 +49,15 @@ impl Number for Bounded {
 
     #[inline(always)]
     fn plus(&self, other: &Self) -> Self {
-        // A sum cannot underflow: where it comes out as zero, nothing was rounded.
+        // A sum cannot underflow: if the result is zero, nothing was rounded.
         Self::rounded(self.value + other.value, self.error + other.error)
     }
 
     #[inline(always)]
     fn times(&self, other: &Self) -> Self {
-        // A product may underflow, here or in the bound: four times by at most half the least subnormal number. The
-        // least normal number covers that. Without the exception, zero coordinates would drag subnormal bounds along,
-        // which are slow, and no product with zero could be told from a tiny number.
+        // A product may underflow, here or in the bound: four times by at most half the smallest subnormal number. The
+        // smallest normal number covers that. Products with an exact zero are the exception. Otherwise zero coordinates
+        // would have subnormal bounds, which are slow, and a product with zero could not be told from a tiny number.
         let underflow = if self.is_exactly_zero() | other.is_exactly_zero() { 0.0 } else { f64::MIN_POSITIVE };
         let inherited = self.value.abs() * other.error + self.error * (other.value.abs() + other.error) + underflow;
         Self::rounded(self.value * other.value, inherited)
@@ -79,8 +79,8 @@ impl Number for Bounded {
         }
     }
 
-    /// Rounds both ends of the interval that encloses the quotient: rounding is monotonic, so if they agree, all that
-    /// lies between agrees with them.
+    /// Rounds both ends of the interval that contains the quotient. Rounding is monotonic: if both ends give one
+    /// number, so does everything between them.
     #[inline(always)]
     fn divided_by(&self, divisor: &Self) -> Option<f32> {
         let quotient = self.value / divisor.value;
@@ -88,12 +88,12 @@ impl Number for Bounded {
         let inherited = (self.error + quotient.abs() * divisor.error) / (divisor.value - divisor.error);
         let Self { value, error } = Self::rounded(quotient, inherited + f64::MIN_POSITIVE);
         let (least, greatest) = ((value - error).next_down() as f32, (value + error).next_up() as f32);
-        // By bits, which tell the rounding of a negative number, -0, from that of a positive one.
+        // Compares bits: a small negative number rounds to -0, a small positive one to 0.
         (least.to_bits() == greatest.to_bits() && !least.is_nan()).then_some(least)
     }
 
-    /// By the one of two equal quotients, `(-b ± √discriminant) / a` and `c / (-b ∓ √discriminant)`, in which nothing
-    /// cancels.
+    /// Two quotients are equal: `(-b ± √discriminant) / a` and `c / (-b ∓ √discriminant)`. Takes the one in which
+    /// nothing cancels.
     #[inline(always)]
     fn root(a: &Self, b: &Self, c: &Self, discriminant: &Self, which: Root) -> Option<f32> {
         if discriminant.sign()? != Ordering::Greater {
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_underflowing_product_is_not_taken_for_zero() {
+    fn a_product_that_underflows_is_not_zero() {
         let least = Bounded::new(f32::from_bits(1));
         let product = [least; 7].iter().fold(least, |product, factor| product.times(factor));
         assert_eq!(product.value, 0.0);
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn overflow_is_doubt() {
+    fn overflow_gives_a_doubt() {
         let greatest = Bounded::new(f32::MAX);
         let product = [greatest; 8].iter().fold(greatest, |product, factor| product.times(factor));
         assert_eq!(product.sign(), None);

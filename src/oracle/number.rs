@@ -1,4 +1,4 @@
-//! What the formulas of the shapes ask of a number, and vectors of such numbers.
+//! What the formulas of the shapes need of a number, and vectors of such numbers.
 
 use core::cmp::Ordering;
 
@@ -6,12 +6,12 @@ use glam::{Affine3, Vec3};
 
 use crate::geom::Ray;
 
-/// A number to compute signs and rounded quotients with: exact, or enclosed by an error bound. Where the bound leaves
-/// a doubt, the question is answered with `None`.
+/// A number for computing signs and rounded quotients. It is exact, or has an error bound. A function returns `None`
+/// if the bound leaves a doubt.
 pub(super) trait Number: Clone {
     /// The number `value`, which must be finite.
     fn new(value: f32) -> Self;
-    /// Vectors, all finite, that are going to be added to or subtracted from each other.
+    /// Vectors that will be added to or subtracted from each other. All must be finite.
     fn vectors<const K: usize>(vectors: [Vec3; K]) -> [[Self; 3]; K];
 
     /// `self + other`.
@@ -25,12 +25,12 @@ pub(super) trait Number: Clone {
         self.plus(&other.negated())
     }
 
-    /// How the number compares to zero.
+    /// How the number compares with zero.
     fn sign(&self) -> Option<Ordering>;
-    /// `self / divisor`, correctly rounded, for a divisor whose sign is known to be positive.
+    /// `self / divisor`, correctly rounded. The divisor must be known to be positive.
     fn divided_by(&self, divisor: &Self) -> Option<f32>;
-    /// A root of `a·t² + 2b·t + c`, correctly rounded, for an `a` known to be positive and a `discriminant`, `b² - a·c`,
-    /// known not to be negative.
+    /// A root of `a·t² + 2b·t + c`, correctly rounded. `a` must be known to be positive, and `discriminant`, which is
+    /// `b² - a·c`, not to be negative.
     fn root(a: &Self, b: &Self, c: &Self, discriminant: &Self, which: Root) -> Option<f32>;
 }
 
@@ -43,7 +43,7 @@ pub(super) enum Root {
     Greater,
 }
 
-/// How `num / den`, with `den > 0`, compares to `limit`, which may be infinite.
+/// How `num / den` compares with `limit`, for `den > 0`. `limit` may be infinite.
 pub(super) fn compare<N: Number>(num: &N, den: &N, limit: f32) -> Option<Ordering> {
     if limit.is_infinite() {
         return 0.0.partial_cmp(&limit);
@@ -66,7 +66,7 @@ pub(super) fn cross<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
     [(1, 2), (2, 0), (0, 1)].map(|(j, k)| a[j].times(&b[k]).minus(&a[k].times(&b[j])))
 }
 
-/// The linear part L of an affine transform, and its inverse but for the division.
+/// The linear part L of an affine transform, and its inverse without the division.
 pub(super) struct Linear<N> {
     rows: [[N; 3]; 3],
     /// Rows of |det L| · L⁻¹, the adjugate with the sign of the determinant.
@@ -76,7 +76,7 @@ pub(super) struct Linear<N> {
 }
 
 impl<N: Number> Linear<N> {
-    /// Takes a finite transform apart. The outer `None` is doubt, the inner one a transform without inverse.
+    /// Splits a finite transform. The outer `None` is a doubt. The inner `None` is a transform without inverse.
     pub(super) fn of(transform: &Affine3) -> Option<Option<Self>> {
         let matrix = &transform.matrix3;
         let rows = N::vectors([matrix.row(0), matrix.row(1), matrix.row(2)]);
@@ -108,20 +108,21 @@ impl<N: Number> Linear<N> {
 pub(super) struct Line<N> {
     pub(super) origin: [N; 3],
     pub(super) dir: [N; 3],
-    /// Positive; `None` stands for 1, with which nothing needs to be multiplied.
+    /// Positive. `None` stands for 1 and saves multiplications.
     scale: Option<N>,
 }
 
 impl<N: Number> Line<N> {
-    /// The ray as it is, which must be valid.
+    /// The unchanged ray. It must be valid.
     pub(super) fn of(ray: &Ray<f32>) -> Self {
         let [origin] = N::vectors([ray.origin]);
         let [dir] = N::vectors([ray.dir]);
         Self { origin, dir, scale: None }
     }
 
-    /// The ray, which must be valid, before the transform. Everything is multiplied by the determinant, so that nothing is
-    /// divided. The outer `None` is doubt, the inner one a transform that is not finite or has no inverse.
+    /// The ray in the space of the object that the transform places. The ray must be valid. Everything is multiplied
+    /// by the determinant, so nothing is divided. The outer `None` is a doubt. The inner `None` is a transform that
+    /// is not finite or has no inverse.
     pub(super) fn in_object_space(transform: &Affine3, ray: &Ray<f32>) -> Option<Option<Self>> {
         if !transform.is_finite() {
             return Some(None);

@@ -1,7 +1,8 @@
-//! Quadrics: along the ray the surface's equation is a polynomial of second degree in `t`, whose roots are the candidates.
+//! Quadrics: along the ray the surface's equation is a polynomial of second degree in `t`, and its roots are the
+//! candidates.
 //!
-//! Where a root is, compared with some `t`, is told by two signs there, of the polynomial and of its slope. So the
-//! decision needs no square root, only the rounding of the root that it chose.
+//! Two signs tell how a root compares with a given `t`: that of the polynomial there, and that of its slope. So the
+//! decision needs no square root. Only the chosen root has to be rounded.
 
 use core::cmp::Ordering;
 
@@ -49,8 +50,8 @@ fn truth<N: Number>(shape: &Quadric, line: &Line<N>, ray: &Ray<f32>) -> Option<T
     Some(Truth::MISS)
 }
 
-/// `a·t² + 2b·t + c`, twice the value of the quadric along the ray times a positive factor and, where `a` is negative, or
-/// zero and `b` negative, times -1.
+/// `a·t² + 2b·t + c`: twice the value of the quadric along the ray, times a positive factor. It is negated if `a` is
+/// negative, or if `a` is zero and `b` negative.
 struct Polynomial<N> {
     a: N,
     b: N,
@@ -63,19 +64,19 @@ struct Polynomial<N> {
 /// How many roots there are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// `a` is zero. The root counts as [`Root::Greater`]: the other one leaves for `-∞` as `a` goes to zero.
+    /// `a` is zero. The root is [`Root::Greater`]: the other one goes to `-∞` as `a` goes to zero.
     Linear,
     Double,
     Two,
 }
 
 impl<N: Number> Polynomial<N> {
-    /// The outer `None` is doubt, the inner one a polynomial without roots, or with nothing else.
+    /// The outer `None` is a doubt. The inner `None` is a polynomial without roots, or zero everywhere.
     fn of(shape: &Quadric, line: &Line<N>) -> Option<Option<Self>> {
         let [squares, products, linear] = N::vectors([shape.squares, shape.products, shape.linear]);
         let constant = N::new(shape.constant);
         let linear = linear.map(|coefficient| line.scaled(coefficient));
-        // With H, the matrix of second derivatives: 2f(p) = p·Hp + 2·linear·p + 2·constant.
+        // H is the matrix of second derivatives: 2f(p) = p·Hp + 2·linear·p + 2·constant.
         let hessian = |v: &[N; 3]| -> [N; 3] {
             [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(i, j, k)| {
                 let square = squares[i].plus(&squares[i]).times(&v[i]);
@@ -110,14 +111,14 @@ impl<N: Number> Polynomial<N> {
         if self.kind == Kind::Two { &[Root::Lesser, Root::Greater] } else { &[Root::Greater] }
     }
 
-    /// How both roots, in the order of [`Root`], compare to the bound.
+    /// How both roots compare with the bound, in the order of [`Root`].
     fn roots_from(&self, bound: &Bound<N>) -> Option<[Ordering; 2]> {
         let (num, den) = match bound {
             Bound::Interval(t) if t.is_infinite() => return Some([0.0f32.partial_cmp(t)?; 2]),
             Bound::Interval(t) => (&N::new(*t), &N::new(1.0)),
             Bound::Plane { num, den } => (num, den),
         };
-        // Half the slope and the value at num / den, times den and den².
+        // Half the slope at num / den, times den, and the value there, times den².
         let slope = self.a.times(num).plus(&self.b.times(den));
         let value = slope.times(num).plus(&self.b.times(num).plus(&self.c.times(den)).times(den));
         Some(match value.sign()? {
@@ -127,7 +128,7 @@ impl<N: Number> Polynomial<N> {
                 Ordering::Equal => [Ordering::Equal; 2],
                 Ordering::Greater => [Ordering::Less, Ordering::Equal],
             },
-            // The slope is not zero here, since there are roots.
+            // The slope is not zero here, because there are roots.
             Ordering::Greater => [slope.sign()?.reverse(); 2],
         })
     }

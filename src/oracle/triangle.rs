@@ -1,7 +1,7 @@
-//! Triangles: the determinants of Möller and Trumbore, whose signs decide everything and whose quotients are `t`, `u`
-//! and `v`.
+//! Triangles, by the determinants of Möller and Trumbore. Their signs decide, and their quotients are `t`, `u` and
+//! `v`.
 //!
-//! A triangle of zero area, or parallel to the ray, has the determinant zero and misses.
+//! A triangle that has zero area or is parallel to the ray has the determinant zero and misses.
 
 use core::cmp::Ordering;
 
@@ -20,7 +20,7 @@ impl Locate for Triangle {
     }
 }
 
-/// The triangle is moved into the world: `t`, `u` and `v` are the same on both sides of an affine transform.
+/// Transforms the triangle into the world: `t`, `u` and `v` are the same in both spaces.
 impl Locate for Placed<Triangle> {
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
         let transform = &self.object_to_world;
@@ -41,14 +41,15 @@ fn is_finite(triangle: &Triangle) -> bool {
     triangle.vertices().iter().all(|vertex| vertex.is_finite())
 }
 
-/// The answer for the edges `e1` and `e2`, which leave one vertex, and `s`, which leads from there to the origin.
+/// The answer for the edges `e1` and `e2`, which start at one vertex, and for `s`, which goes from that vertex to the
+/// ray's origin.
 fn solve<N: Number>(s: &[N; 3], e1: &[N; 3], e2: &[N; 3], ray: &Ray<f32>) -> Option<Truth> {
     let [d] = &N::vectors([ray.dir]);
     let mut boundary = false;
 
     let p = cross(d, e2);
     let det = dot(e1, &p);
-    // From here on every determinant has the sign of the quantity it stands for.
+    // Negates the determinants if `det` is negative. Each then has the sign of its quantity.
     let facing = det.sign()?;
     let scaled = |determinant: N| if facing == Ordering::Less { determinant.negated() } else { determinant };
     if facing == Ordering::Equal {

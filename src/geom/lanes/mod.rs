@@ -1,5 +1,5 @@
-//! Lane types, and every operation whose scalar and eight-lane forms could differ. The suffix 8 means eight lanes: `min8`
-//! is `min` in eight lanes. Tests compare the two forms of each pair, bit by bit.
+//! Lane types, and every operation whose scalar and eight-lane forms could differ. The suffix 8 means eight lanes:
+//! `min8` is `min` in eight lanes. Tests compare the two forms of each pair, bit by bit.
 //!
 //! `+ - * /`, negation and comparisons mean the same for `f32` and `f32x8` on every target. Kernels use them directly.
 //! The other operations do not mean the same, so they live here:

@@ -1,22 +1,24 @@
-//! `aabb/fused`: the slab test as one fused operation per plane. A warning.
+//! `aabb/fused`: the slab test with one fused operation per plane. A warning.
 //!
-//! **Source:** the usual advice to "precompute `-origin·inv_dir` and use FMA"; for instance I. Wald, S. Woop, C. Benthin,
-//! G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014 (its fast traversal).
+//! **Source:** the usual advice to "precompute `-origin·inv_dir` and use FMA"; for instance I. Wald, S. Woop, C.
+//! Benthin, G. S. Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014 (its fast
+//! traversal).
 //!
-//! **Idea:** `plane·inv_dir - origin·inv_dir`, of which the second product is known per ray. Otherwise as
+//! **Idea:** `plane·inv_dir - origin·inv_dir`. The second product is computed once per ray. The rest is as in
 //! `aabb/sign_selected`.
 //!
-//! **Fails:** the two products cancel. `origin·inv_dir` carries a rounding error in proportion to the distance from the
-//! coordinates' origin, not from the box, and all of it ends up in the result: a box of size 1 seen from 1e6 away has
-//! planes that are off by a sixteenth. With a zero in the direction both products are infinite or `0·∞`, their difference
-//! is NaN more often than not, and the slab drops out: a parallel ray *beside* the box hits. It is not monotonic
-//! in the way that the tracer's guarantee rests on, and may serve to cull only with its error added (see `tracer`).
+//! **Fails:** the two products cancel. The rounding error of `origin·inv_dir` is proportional to the distance from
+//! the origin of coordinates, not from the box, and all of it remains in the result. A box of size 1 seen from 1e6
+//! away has planes that are off by a sixteenth. With a zero in the direction, both products are infinite or `0·∞`.
+//! Their difference is NaN more often than not, and the slab drops out: a parallel ray *beside* the box hits. The
+//! test is not monotonic in the way that the tracer's guarantee needs. It may be used for culling only with its error
+//! added (see `tracer`).
 //!
-//! **Empty boxes and rays without a usable slab:** a ray for which `origin·inv_dir` is not finite on any axis would drop
-//! all three slabs and hit even the empty box. It gets an empty interval, and so loses true hits.
+//! **Rays without a usable slab:** if `origin·inv_dir` is finite on no axis, all three slabs drop out, and the ray
+//! would hit even an empty box. Such a ray gets an empty interval, and so loses true hits.
 //!
-//! **Operations:** 6 fused multiply-adds, 7 minima, maxima and comparisons; setup 3 divisions, 3 multiplications. It exists
-//! only where the build has them.
+//! **Operations:** 6 fused multiply-adds, 7 minima, maxima and comparisons. Setup: 3 divisions, 3 multiplications.
+//! The kernel exists only in builds with fused multiply-add.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -40,9 +42,9 @@ pub struct Offset<L: Lanes> {
     pub inv_dir: L::Vec3,
     /// `-(origin · inv_dir)`.
     pub offset: L::Vec3,
-    /// The ray's interval, or an empty one.
+    /// Least `t` of the ray's interval, or of an empty one.
     pub t_min: L,
-    /// The ray's interval, or an empty one.
+    /// Greatest `t` of the ray's interval, or of an empty one.
     pub t_max: L,
 }
 
@@ -71,7 +73,10 @@ impl Intersect<f32> for Fused<f32> {
     #[inline(always)]
     fn setup(ray: &Ray<f32>) -> Self::Setup {
         let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32>::of(ray);
+        // Compute -origin·inv_dir.
         let [x, y, z] = [0, 1, 2].map(|axis| -(ray.origin[axis] * inv_dir[axis]));
+
+        // Make the interval empty if no slab can cut it.
         let usable = (x.abs() < f32::INFINITY) | (y.abs() < f32::INFINITY) | (z.abs() < f32::INFINITY);
         let t_max = if usable { t_max } else { f32::NAN };
         Offset { inv_dir, offset: Vec3::new(x, y, z), t_min, t_max }
@@ -80,13 +85,20 @@ impl Intersect<f32> for Fused<f32> {
     #[inline(always)]
     fn candidate(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for axis in 0..3 {
             let (lo, hi, inv, offset) = (lo[axis], hi[axis], setup.inv_dir[axis], setup.offset[axis]);
+            // Choose the near and the far plane by the sign bit.
             let (near, far) = if sign_bit(inv) { (hi, lo) } else { (lo, hi) };
+
+            // Cut the interval at the distances to both planes. A NaN drops out.
             entry = max(mul_add(near, inv, offset), entry);
             exit = min(mul_add(far, inv, offset), exit);
         }
+
+        // Test that the interval is not empty.
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -97,8 +109,11 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
     #[inline(always)]
     fn setup(ray: &Ray<f32x8>) -> Self::Setup {
         let InverseDirection { inv_dir, t_min, t_max } = InverseDirection::<f32x8>::of(ray);
+        // Compute -origin·inv_dir.
         let offset =
             Vec3x8 { x: -(ray.origin.x * inv_dir.x), y: -(ray.origin.y * inv_dir.y), z: -(ray.origin.z * inv_dir.z) };
+
+        // Make the interval empty if no slab can cut it.
         let finite = |x: f32x8| lt8(x.abs(), f32x8::splat(f32::INFINITY));
         let usable = finite(offset.x) | finite(offset.y) | finite(offset.z);
         let t_max = usable.select(t_max, f32x8::splat(f32::NAN));
@@ -108,17 +123,24 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
     #[inline(always)]
     fn candidate(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let Fused { slabs: Slabs { lo, hi } } = self.widen();
+
+        // Start with the ray's interval.
         let (mut entry, mut exit) = (setup.t_min, setup.t_max);
         for (lo, hi, inv, offset) in [
             (lo.x, hi.x, setup.inv_dir.x, setup.offset.x),
             (lo.y, hi.y, setup.inv_dir.y, setup.offset.y),
             (lo.z, hi.z, setup.inv_dir.z, setup.offset.z),
         ] {
+            // Choose the near and the far plane by the sign bit.
             let negative = sign_bit8(inv);
             let (near, far) = (negative.select(hi, lo), negative.select(lo, hi));
+
+            // Cut the interval at the distances to both planes. A NaN drops out.
             entry = max8(mul_add8(near, inv, offset), entry);
             exit = min8(mul_add8(far, inv, offset), exit);
         }
+
+        // Test that the interval is not empty.
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -1,12 +1,12 @@
-//! Axis-aligned boxes by slabs: a box is the intersection of three pairs of parallel planes, and a ray is inside it
-//! where its three intervals between those planes overlap.
+//! Axis-aligned boxes by slabs. A slab is the space between two parallel planes, and a box is the intersection of
+//! three slabs. A ray is inside the box where its three intervals between the planes overlap.
 //!
 //! Source of the method: T. L. Kay and J. T. Kajiya, "Ray Tracing Complex Scenes", 1986. A hit's `t` is the entry
-//! distance and its `u` the exit distance, both clipped to the ray's interval; `hit.mask` is the textbook's yes or no.
-//! A ray on the surface hits (boxes are closed), and a flat box can be hit.
+//! distance and its `u` the exit distance, both clipped to the ray's interval. `hit.mask` is the textbook's yes or
+//! no. Boxes are closed: a ray on the surface hits, and a flat box can be hit.
 //!
-//! The kernels differ where a ray runs parallel to a slab (`0/0` or `0·∞` on its planes) and where it grazes an
-//! edge or a corner, so that entry and exit are equal but for rounding.
+//! The kernels differ for two kinds of rays. One runs parallel to a slab, with `0/0` or `0·∞` on its planes. The
+//! other grazes an edge or a corner, where entry and exit differ only by rounding.
 
 mod division;
 #[cfg(fused)]
@@ -31,7 +31,7 @@ use crate::geom::{Aabb, Ray};
 use crate::kernels::Operations;
 
 prepared! {
-    /// The corners of one box or of eight: what all slab kernels store, 24 bytes a box.
+    /// The corners of one box or of eight, 24 bytes a box. All slab kernels store them.
     pub struct Slabs<P: Lanes> {
         /// Least corners.
         pub lo: P::Vec3,
@@ -54,26 +54,26 @@ impl Slabs<f32> {
 
 /// The per-ray data of the kernels that multiply by the inverse direction.
 ///
-/// A ray that misses everything ([`Ray`]) gets an empty interval here, because a slab test has no other way to notice
-/// a NaN origin.
+/// A ray that misses everything (see [`Ray`]) gets an empty interval here. A slab test has no other way to notice a
+/// NaN in the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDirection<L: Lanes> {
     /// `1 / dir`, with `±∞` for `±0`.
     pub inv_dir: L::Vec3,
-    /// The ray's interval, or an empty one.
+    /// Least `t` of the ray's interval, or of an empty one.
     pub t_min: L,
-    /// The ray's interval, or an empty one.
+    /// Greatest `t` of the ray's interval, or of an empty one.
     pub t_max: L,
 }
 
-/// Of [`Ray::is_valid`].
+/// Operations of [`Ray::is_valid`].
 pub(crate) const VALIDITY: Operations = Operations { mul: 6, add: 5, compare: 4, ..Operations::NONE };
 
 impl InverseDirection<f32> {
-    /// Of [`InverseDirection::of`].
+    /// Operations of [`InverseDirection::of`].
     pub(crate) const OPERATIONS: Operations = VALIDITY.and(Operations { div: 3, ..Operations::NONE });
 
-    /// Three divisions and the validity check.
+    /// The data of `ray`. Costs three divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {
         let Interval { t_min, t_max } = Interval::<f32>::of(ray);
@@ -91,7 +91,7 @@ impl InverseDirection<f32x8> {
     }
 }
 
-/// The ray's interval, made empty where the ray misses everything.
+/// The ray's interval. It is empty for a ray that misses everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval<L: Lanes> {
     /// Least `t`.
@@ -122,19 +122,25 @@ impl Interval<f32x8> {
     }
 }
 
-/// Entry and exit distance, clipped to the ray's interval, with near and far plane of each slab chosen by the sign bit
-/// of the inverse direction.
+/// Entry and exit distance, clipped to the ray's interval. The sign bit of the inverse direction chooses the near and
+/// the far plane of each slab.
 ///
-/// A NaN (`0·∞`: the ray runs within a plane of the slab) fails its comparison and so drops out: such a slab does not
-/// limit the ray. `(plane - origin) * inv_dir` is monotonic in `plane` under rounding, so a box that contains another
-/// one never has a later entry nor an earlier exit. The tracer's guarantee rests on that.
+/// A NaN (`0·∞`: the ray runs in a plane of the slab) fails its comparison and drops out. Such a slab does not limit
+/// the ray. `(plane - origin) * inv_dir` is monotonic in `plane` under rounding. So a box that contains another box
+/// is never entered later or left earlier than it. The tracer's guarantee rests on that.
 #[inline(always)]
 pub(crate) fn slab_interval(slabs: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> (f32, f32) {
+    // Start with the ray's interval.
     let (mut entry, mut exit) = (setup.t_min, setup.t_max);
     for axis in 0..3 {
         let (lo, hi, inv) = (slabs.lo[axis], slabs.hi[axis], setup.inv_dir[axis]);
+        // Choose the near and the far plane by the sign bit.
         let (near, far) = if sign_bit(inv) { (hi, lo) } else { (lo, hi) };
+
+        // Compute the distances to both planes.
         let (t_near, t_far) = ((near - origin[axis]) * inv, (far - origin[axis]) * inv);
+
+        // Cut the interval. A NaN drops out.
         entry = max(t_near, entry);
         exit = min(t_far, exit);
     }
@@ -144,15 +150,21 @@ pub(crate) fn slab_interval(slabs: &Slabs<f32>, origin: Vec3, setup: &InverseDir
 /// [`slab_interval`] in eight lanes.
 #[inline(always)]
 pub(crate) fn slab_interval8(slabs: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> (f32x8, f32x8) {
+    // Start with the ray's interval.
     let (mut entry, mut exit) = (setup.t_min, setup.t_max);
     for (lo, hi, origin, inv) in [
         (slabs.lo.x, slabs.hi.x, origin.x, setup.inv_dir.x),
         (slabs.lo.y, slabs.hi.y, origin.y, setup.inv_dir.y),
         (slabs.lo.z, slabs.hi.z, origin.z, setup.inv_dir.z),
     ] {
+        // Choose the near and the far plane by the sign bit.
         let negative = sign_bit8(inv);
         let (near, far) = (negative.select(hi, lo), negative.select(lo, hi));
+
+        // Compute the distances to both planes.
         let (t_near, t_far) = ((near - origin) * inv, (far - origin) * inv);
+
+        // Cut the interval. A NaN drops out.
         entry = max8(t_near, entry);
         exit = min8(t_far, exit);
     }

@@ -1,17 +1,17 @@
-//! `aabb/sign_selected`: near and far by sign bit, NaN drops out.
+//! `aabb/sign_selected`: near and far plane by sign bit; a NaN drops out.
 //!
 //! **Source:** A. Williams, S. Barrus, R. K. Morley, P. Shirley, "An Efficient and Robust Ray-Box Intersection
-//! Algorithm", 2005 (sign of the inverse direction); the order of operands that lets a NaN drop out is discussed in T.
-//! Barnes, "Fast, Branchless Ray/Bounding Box Intersections, Part 2: NaNs", 2015.
+//! Algorithm", 2005 (sign of the inverse direction). The order of operands that lets a NaN drop out is discussed in
+//! T. Barnes, "Fast, Branchless Ray/Bounding Box Intersections, Part 2: NaNs", 2015.
 //!
-//! **Idea:** the sign bit of the inverse direction, which −0 has and +0 has not, says which plane of a slab is near.
-//! The accumulators are replaced only by a comparison that succeeds, and `0·∞` never does.
+//! **Idea:** the sign bit of the inverse direction says which plane of a slab is near. −0 has it, +0 does not. An
+//! accumulator changes only if a comparison succeeds, and a comparison with `0·∞` never does.
 //!
-//! **Edges:** a ray within a plane of a slab that it runs parallel to hits, as it should. At edges and corners entry and
-//! exit are equal but for rounding, and some rays are lost.
+//! **Edges:** a ray in a plane of a slab that it runs parallel to hits, as it should. At edges and corners entry and
+//! exit differ only by rounding, and some rays are lost.
 //!
-//! **Operations:** 6 subtractions, 6 multiplications, 7 minima, maxima and comparisons; setup 3 divisions. Each distance
-//! has a relative error of at most γ₃ = 3ε / (1 - 3ε), ε = 2⁻²⁴, unless a product over- or underflows.
+//! **Operations:** 6 subtractions, 6 multiplications, 7 minima, maxima and comparisons. Setup: 3 divisions. Each
+//! distance has a relative error of at most γ₃ = 3ε / (1 - 3ε), ε = 2⁻²⁴, unless a product overflows or underflows.
 
 use wide::f32x8;
 
@@ -32,7 +32,7 @@ impl Kernel for SignSelected<f32> {
     type Packet = SignSelected<f32x8>;
     const INFO: Info = Info {
         id: Id::of("aabb/sign_selected"),
-        idea: "near and far plane by the sign bit of the inverse direction, so that NaN drops out",
+        idea: "near and far plane by the sign bit of the inverse direction; NaN drops out",
         source: "Williams, Barrus, Morley, Shirley, \"An Efficient and Robust Ray-Box Intersection Algorithm\", 2005",
         operations: Operations { mul: 6, add: 6, compare: 7, reads: 6, ..Operations::NONE },
         setup: InverseDirection::OPERATIONS,
@@ -58,7 +58,10 @@ impl Intersect<f32> for SignSelected<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
         let Self { slabs } = self;
 
+        // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval(slabs, ray.origin, setup);
+
+        // Test that the interval is not empty.
         Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
@@ -75,7 +78,10 @@ impl<P: Lanes> Intersect<f32x8> for SignSelected<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
         let SignSelected { slabs } = self.widen();
 
+        // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval8(&slabs, ray.origin, setup);
+
+        // Test that the interval is not empty.
         Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -1,22 +1,22 @@
-//! `instance/baked`: no instance at all, but the vertices put into the world beforehand.
+//! `instance/baked`: not an instance. The vertices are transformed into the world beforehand.
 //!
 //! **Source:** what every scene without instancing does.
 //!
-//! **Idea:** each vertex is transformed in `f64` and rounded to `f32` once; the kernel then tests the ray as it is. Only
-//! triangles can be baked: a box that is turned or sheared is no box any more, nor is the one that a quadric is clipped
-//! by.
+//! **Idea:** each vertex is transformed in `f64` and rounded to `f32` once. The kernel then tests the unchanged ray.
+//! Only triangles can be baked: a box that is rotated or sheared is no longer axis-aligned. The same holds for the
+//! clip box of a quadric.
 //!
-//! **Fails:** where the world's coordinates are too coarse for the object: far from the origin each vertex is moved by up
-//! to half an ulp of its distance; and under a transform of great condition number, which makes a sliver of a good triangle
-//! and a grazing ray of a steep one. And it is no instancing: every instance has its own copy.
+//! **Fails:** where the world's coordinates are too coarse for the object. Far from the origin each vertex moves by
+//! up to half an ulp of its distance. A transform with a large condition number makes a sliver of a good triangle and
+//! a grazing ray of a steep one. And nothing is shared: every instance is a copy.
 //!
-//! **Edges, claims:** the inner kernel's. Triangles that share vertices and the transform still share them when baked, so
-//! that a watertight kernel stays watertight; but what is called a hit is so of the rounded triangle.
+//! **Edges, claims:** those of the inner kernel, for the rounded triangle. Triangles that share vertices and the
+//! transform still share them when baked, so a watertight kernel stays watertight.
 //!
-//! **Degenerate input:** a transform without inverse, or not finite, makes a triangle that misses every ray, as with the
-//! other methods; so does a vertex beyond the range of `f32`.
+//! **Degenerate input:** a transform that is not finite or has no inverse makes a triangle that misses every ray, as
+//! with the other methods. So does a vertex beyond the range of `f32`.
 //!
-//! **Operations:** the inner kernel's, and its bytes.
+//! **Operations:** those of the inner kernel, and its bytes.
 
 use glam::Vec3;
 
@@ -28,7 +28,7 @@ use crate::kernels::{Id, Info, Intersect, Kernel};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baked<T>(T);
 
-/// Both twins are the inner kernel's.
+/// Both twins are those of the inner kernel.
 impl<L: Lanes, T: Intersect<L>> Intersect<L> for Baked<T> {
     type Setup = T::Setup;
 

@@ -1,20 +1,21 @@
 //! `instance/f64`: the ray transformed in double precision.
 //!
-//! **Source:** none; it is `instance/subtract_first` without its rounding.
+//! **Source:** none. It is `instance/subtract_first` without its rounding.
 //!
-//! **Idea:** `f32` in and out, `f64` between: the best that transforming the ray can do for an inner kernel that takes
-//! `f32`.
+//! **Idea:** `f32` in and out, `f64` in between: the best that transforming the ray can do for an inner kernel that
+//! takes `f32`.
 //!
-//! **Fails:** where a ray of `f32` in the object's space cannot say what the ray in the world says: each of its six
+//! **Fails:** where an `f32` ray in the object's space cannot express the ray of the world. Each of its six
 //! coordinates is still rounded once, by an ulp of its distance from the object's origin.
 //!
-//! **Edges, claims:** the inner kernel's, for the transformed ray.
+//! **Edges, claims:** those of the inner kernel, for the transformed ray.
 //!
-//! **Degenerate input:** a transform without inverse, or not finite, misses every ray. No inverse of `f32` numbers
-//! overflows in `f64`; a transformed direction may in `f32`, and then misses, as at a scale of 1e-39.
+//! **Degenerate input:** a transform that is not finite or has no inverse misses every ray. No inverse of `f32`
+//! numbers overflows in `f64`. A transformed direction may overflow in `f32`, and then misses, as at a scale of
+//! 1e-39.
 //!
-//! **Operations:** 18 multiplications and 15 additions, all in `f64`, on top of the inner kernel's test and, anew for
-//! every instance, its setup. 96 bytes prepared.
+//! **Operations:** 18 multiplications and 15 additions, all in `f64`, and for every instance the inner kernel's setup
+//! and test. 96 bytes prepared.
 
 use glam::{Affine3, DVec3};
 use wide::{f32x8, f64x8};
@@ -36,9 +37,11 @@ pub struct SubtractFirstF64<V> {
 impl RayTransform<f32> for SubtractFirstF64<DVec3> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
-        let [x, y, z] = self.inverse;
+        let Self { inverse: [x, y, z], translation } = *self;
         let apply = |v: DVec3| ((x * v.x + y * v.y) + z * v.z).as_vec3();
-        let origin = ray.origin.as_dvec3() - self.translation;
+
+        // Subtract the translation, then transform origin and direction. The interval stays.
+        let origin = ray.origin.as_dvec3() - translation;
         Ray { origin: apply(origin), dir: apply(ray.dir.as_dvec3()), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
@@ -46,16 +49,18 @@ impl RayTransform<f32> for SubtractFirstF64<DVec3> {
 impl RayTransform<f32x8> for SubtractFirstF64<[f64x8; 3]> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
-        let [x, y, z] = self.inverse;
+        let Self { inverse: [x, y, z], translation: [tx, ty, tz] } = *self;
         let row = |axis: usize, v: [f64x8; 3]| to_f32x8((x[axis] * v[0] + y[axis] * v[1]) + z[axis] * v[2]);
         let apply = |v: [f64x8; 3]| Vec3x8 { x: row(0, v), y: row(1, v), z: row(2, v) };
-        let ([ox, oy, oz], [tx, ty, tz]) = (double8(ray.origin), self.translation);
+
+        // Subtract the translation, then transform origin and direction. The interval stays.
+        let [ox, oy, oz] = double8(ray.origin);
         let origin = [ox - tx, oy - ty, oz - tz];
         Ray { origin: apply(origin), dir: apply(double8(ray.dir)), t_min: ray.t_min, t_max: ray.t_max }
     }
 }
 
-/// Eight rays by one transform: it is widened first.
+/// Eight rays by one transform, which is widened first.
 impl RayTransform<f32x8> for SubtractFirstF64<DVec3> {
     #[inline(always)]
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {

@@ -1,21 +1,21 @@
-//! `instance/inverse`: the ray transformed by the inverse matrix, as glam gives it.
+//! `instance/inverse`: the ray transformed by the inverse matrix that glam computes.
 //!
 //! **Source:** the textbook's way: P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", chapter on
-//! instancing; the inverse is [`glam::Affine3::inverse`].
+//! instancing. The inverse is [`glam::Affine3::inverse`].
 //!
-//! **Idea:** one 3×4 matrix takes the origin to the object, its linear part the direction.
+//! **Idea:** one 3×4 matrix transforms the origin, and its linear part the direction.
 //!
-//! **Fails:** far from the world's origin. The last column of the inverse is -L⁻¹T; where T is large, it is rounded by an
-//! ulp of T, and so is `L⁻¹ origin`, before their difference cancels to something of the object's size. And where L is
-//! badly conditioned, since it is inverted in `f32`; where its determinant over- or underflows `f32` (a uniform scale of
-//! about 1e-13 or 1e13), there is no inverse at all.
+//! **Fails:** far from the world's origin. The last column of the inverse is -L⁻¹T. Where T is large, it is rounded
+//! by an ulp of T, and so is `L⁻¹ origin`. Their difference then cancels to the size of the object. It also fails
+//! where L is badly conditioned, because L is inverted in `f32`. Where the determinant overflows or underflows `f32`
+//! (a uniform scale of about 1e-13 or 1e13), there is no inverse at all.
 //!
-//! **Edges, claims:** the inner kernel's, for the transformed ray.
+//! **Edges, claims:** those of the inner kernel, for the transformed ray.
 //!
-//! **Degenerate input:** a transform without inverse, or not finite, misses every ray.
+//! **Degenerate input:** a transform that is not finite or has no inverse misses every ray.
 //!
-//! **Operations:** 18 multiplications and 15 additions on top of the inner kernel's test and, anew for every instance,
-//! its setup. 48 bytes prepared.
+//! **Operations:** 18 multiplications and 15 additions, and for every instance the inner kernel's setup and test. 48
+//! bytes prepared.
 
 use glam::{Affine3, Vec3};
 use wide::f32x8;
@@ -37,6 +37,7 @@ impl RayTransform<f32> for Inverse<f32> {
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
         let Self { linear, translation } = self;
 
+        // Transform origin and direction. The interval stays.
         let origin = linear.apply(ray.origin) + translation;
         Ray { origin, dir: linear.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
@@ -47,6 +48,7 @@ impl<P: Lanes> RayTransform<f32x8> for Inverse<P> {
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
         let Inverse { linear, translation } = self.widen();
 
+        // Transform origin and direction. The interval stays.
         let origin = linear.apply(ray.origin) + translation;
         Ray { origin, dir: linear.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }

@@ -1,9 +1,9 @@
-//! Instances: a primitive, or a whole scene, put into the world by an affine transform.
+//! Instances: a primitive, or a whole scene, placed in the world by an affine transform.
 //!
-//! Instead of the shape, the ray is transformed, by the inverse: `origin' = L⁻¹(origin - T)`, `dir' = L⁻¹ dir`, where
-//! `x ↦ L x + T` takes the object to the world. The direction is never renormalised, so `t` means the same in both
-//! spaces, and the interval is taken over as it is. The methods, one file each, differ in where they round. Only
-//! `instance/baked` transforms the shape; it is what the others are to be compared with.
+//! The transform `x ↦ L x + T` takes the object to the world. Instead of the shape, the ray is transformed, by the
+//! inverse: `origin' = L⁻¹(origin - T)`, `dir' = L⁻¹ dir`. The direction is not normalised again, so `t` means the
+//! same in both spaces, and the interval stays. The methods, one file each, differ in where they round. Only
+//! `instance/baked` transforms the shape; the others are compared with it.
 
 mod baked;
 mod f64;
@@ -21,13 +21,13 @@ use wide::f32x8;
 use crate::geom::{Hit, Lanes, Placed, Ray, Vec3x8};
 use crate::kernels::{Id, Info, Intersect, Kernel};
 
-/// An instance of anything that can be intersected (`W` a transform for one ray), or eight instances of eight prepared
-/// primitives (`W` eight such transforms).
+/// An instance of anything that can be intersected, with `W` one transform. Or eight instances of eight prepared
+/// primitives, with `W` eight transforms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance<T, W = SubtractFirst<f32>> {
-    /// What is put into the world, in its own coordinates.
+    /// The object in its own coordinates.
     object: T,
-    /// How rays come to it.
+    /// Transforms rays into the object's space.
     world_to_object: W,
 }
 
@@ -64,39 +64,42 @@ impl Columns<f32x8> {
     }
 }
 
-/// One transform of one ray (`L = f32`), or of eight rays by one transform or by eight (`L = f32x8`): the twins of a
-/// method.
+/// The twins of a method. One ray by one transform (`L = f32`), or eight rays by one transform or by eight (`L =
+/// f32x8`).
 pub trait RayTransform<L: Lanes>: Copy {
-    /// The ray as the object sees it.
+    /// The ray in the object's space.
     fn ray_to_object(&self, ray: &Ray<L>) -> Ray<L>;
 }
 
-/// A method of transforming rays; implemented by its scalar form.
+/// A method of transforming rays. Its scalar form implements this trait.
 pub trait TransformMethod:
     RayTransform<f32> + RayTransform<f32x8> + core::fmt::Debug + PartialEq + Send + Sync + 'static
 {
     /// Eight transforms.
     type Packet: RayTransform<f32x8> + Copy + core::fmt::Debug + Send + Sync;
-    /// Name, idea, source, and the operations that come on top of the inner kernel's.
+    /// Name, idea, source, and the operations in addition to those of the inner kernel.
     const INFO: Info;
-    /// Where every ray has direction zero, and so misses.
+    /// A transform that gives every ray the direction zero, so every ray misses.
     const NOWHERE: Self;
 
-    /// What does not depend on the ray.
+    /// Computes what does not depend on the ray.
     ///
     /// # Errors
-    /// If the transform has no inverse, or not in the method's precision.
+    /// If the transform has no inverse, or none in the method's precision.
     fn prepare(object_to_world: &Affine3) -> Result<Self, SingularTransform>;
 
     /// Lane `i` becomes `transforms[i]`.
     fn gather(transforms: [Self; 8]) -> Self::Packet;
 
-    /// The transform in a lane, which is below 8.
+    /// The transform in a lane.
+    ///
+    /// # Panics
+    /// If `lane >= 8`.
     fn lane(packet: &Self::Packet, lane: usize) -> Self;
 }
 
-/// The transform has no inverse: its linear part is singular or not finite, or its inverse exceeds the range of the
-/// numbers that it is to be stored in.
+/// A transform without inverse. It is singular or not finite, or its inverse exceeds the range of the numbers that
+/// would store it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingularTransform {
     /// The transform that was refused.
@@ -112,7 +115,10 @@ impl core::fmt::Display for SingularTransform {
 
 impl core::error::Error for SingularTransform {}
 
-/// L⁻¹, if the transform has an inverse.
+/// L⁻¹.
+///
+/// # Errors
+/// If the transform has no inverse.
 fn inverse_linear(transform: &Affine3) -> Result<DMat3, SingularTransform> {
     let linear = transform.matrix3.as_dmat3();
     if transform.is_finite() && !is_singular(&linear) {
@@ -122,22 +128,22 @@ fn inverse_linear(transform: &Affine3) -> Result<DMat3, SingularTransform> {
     }
 }
 
-/// Whether a determinant of `f32` numbers, computed in `f64`, cannot be told from zero. True of every matrix that is
-/// exactly singular, whatever rounding leaves of its determinant.
+/// Whether the determinant of `f32` numbers, computed in `f64`, cannot be told from zero. True for every matrix that
+/// is exactly singular, even if rounding makes its determinant non-zero.
 fn is_singular(matrix: &DMat3) -> bool {
-    // Products of two entries are exact, so each cofactor is rounded once; then there are three products and two sums.
+    // Products of two entries are exact, so each cofactor is rounded once. Three products and two sums follow.
     let cofactors = matrix.x_axis.cross(matrix.y_axis);
     let rounding = 5.0 * 1.110_223_024_625_156_5e-16 * matrix.z_axis.abs().dot(cofactors.abs());
     matrix.z_axis.dot(cofactors).abs() <= rounding
 }
 
 impl<T, W> Instance<T, W> {
-    /// What is put into the world, in its own coordinates.
+    /// The object in its own coordinates.
     pub fn object(&self) -> &T {
         &self.object
     }
 
-    /// The ray as the object sees it.
+    /// The ray in the object's space.
     #[inline(always)]
     pub fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32>
     where
@@ -164,13 +170,19 @@ impl<L: Lanes, T: Intersect<L>, W: RayTransform<L>> Intersect<L> for Instance<T,
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<L>, (): &()) -> Hit<L> {
+        // Transform the ray into the object's space.
         let ray = self.world_to_object.ray_to_object(ray);
+
+        // Test the object there.
         self.object.candidate(&ray, &T::setup(&ray))
     }
 
     #[inline(always)]
     fn any_hit(&self, ray: &Ray<L>, (): &()) -> L::Mask {
+        // Transform the ray into the object's space.
         let ray = self.world_to_object.ray_to_object(ray);
+
+        // Test the object there.
         self.object.any_hit(&ray, &T::setup(&ray))
     }
 }
@@ -199,12 +211,12 @@ impl<K: Kernel, W: TransformMethod> Kernel for Instance<K, W> {
 }
 
 impl Info {
-    /// What an instance of this kernel says about itself. It promises nothing: two instances that share an edge in the
-    /// world are hit by two differently rounded rays.
+    /// What an instance of this kernel says about itself. It claims nothing: two instances that share an edge in the
+    /// world see two differently rounded rays.
     const fn inside(self, method: Self) -> Self {
         Self {
             id: Id { method: method.id.method, inner: Some(self.id.method) },
-            // The ray that the object sees is another one for each instance, and so is its setup.
+            // Each instance sees another ray. So each test includes the inner kernel's setup.
             operations: method.operations.and(self.setup).and(self.operations),
             claims: &[],
             ..method

@@ -1,23 +1,24 @@
-//! `instance/subtract_first`: the inversely transformed ray, with the translation taken off before the linear part is
-//! applied.
+//! `instance/subtract_first`: the ray transformed by the inverse. The translation is subtracted before the linear
+//! part is applied.
 //!
-//! **Source:** P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", chapter on instancing; the order is
-//! the one that subtract-first triangle tests use.
+//! **Source:** P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", chapter on instancing. The order
+//! is that of triangle tests that subtract first.
 //!
-//! **Idea:** `L⁻¹(origin - T)` costs as much as the 3×4 inverse matrix applied to the origin, but cancels before
-//! rounding: an object far from the world's origin loses nothing. The inverse is computed in `f64` and rounded once.
+//! **Idea:** `L⁻¹(origin - T)` costs as much as the 3×4 inverse matrix times the origin, but it cancels before it
+//! rounds. An object far from the world's origin loses nothing. The inverse is computed in `f64` and rounded once.
 //!
-//! **Fails:** where L is badly conditioned: the rounding of L⁻¹, and of its product with the origin, then exceeds the
-//! object where it is flattest in the world.
+//! **Fails:** where L is badly conditioned. The rounding of L⁻¹, and of its product with the origin, is then larger
+//! than the object in the direction in which it is flattest in the world.
 //!
-//! **Edges, claims:** the inner kernel's, for the transformed ray. Two instances that share an edge in the world see two
-//! differently rounded rays, so nothing is promised between them.
+//! **Edges, claims:** those of the inner kernel, for the transformed ray. Two instances that share an edge in the
+//! world see two differently rounded rays, so nothing is claimed between them.
 //!
-//! **Degenerate input:** a transform without inverse, or not finite, is refused by [`Instance::new`]; prepared through
-//! [`Kernel::prepare`](crate::kernels::Kernel::prepare) it misses every ray, as a degenerate primitive does.
+//! **Degenerate input:** [`Instance::new`] refuses a transform that is not finite or has no inverse. Prepared through
+//! [`Kernel::prepare`](crate::kernels::Kernel::prepare), such a transform misses every ray, as a degenerate primitive
+//! does.
 //!
-//! **Operations:** 18 multiplications and 15 additions on top of the inner kernel's test and, anew for every instance,
-//! its setup. 84 bytes prepared, of which a test reads 48; the others, L as it came, are for normals.
+//! **Operations:** 18 multiplications and 15 additions, and for every instance the inner kernel's setup and test. 84
+//! bytes prepared. A test reads 48 of them. The others, L unchanged, are for normals.
 
 use glam::{Affine3, Vec3};
 use wide::f32x8;
@@ -39,7 +40,7 @@ prepared! {
 }
 
 impl<T> Instance<T> {
-    /// Puts `object` into the world.
+    /// Places `object` in the world.
     ///
     /// # Errors
     /// If the transform has no finite inverse.
@@ -47,12 +48,12 @@ impl<T> Instance<T> {
         Ok(Self { object, world_to_object: SubtractFirst::prepare(&object_to_world)? })
     }
 
-    /// A surface normal in the world, of unit length, from one in the object, of any length: `cof(L)·n`, which is the
-    /// inverse transpose times the determinant. The determinant's sign belongs to it, since a mirror turns
+    /// The unit normal in the world, from a normal of any length in the object's space: `cof(L)·n`, the inverse
+    /// transpose times the determinant. The sign of the determinant is part of it, because a mirror turns
     /// counter-clockwise into clockwise. Zero stays zero, and a NaN gives zero.
     ///
-    /// Computed in `f64` from L as it came. But for the rounding of the result to `f32` the angle to the exact normal is
-    /// below 2⁻⁴⁹ times the condition number of L.
+    /// Computed in `f64` from the unchanged L. Except for the rounding of the result to `f32`, the angle to the exact
+    /// normal is below 2⁻⁴⁹ times the condition number of L.
     #[inline]
     pub fn normal_to_world(&self, normal: Vec3) -> Vec3 {
         let Columns { x, y, z } = self.world_to_object.linear;
@@ -67,6 +68,7 @@ impl RayTransform<f32> for SubtractFirst<f32> {
     fn ray_to_object(&self, ray: &Ray<f32>) -> Ray<f32> {
         let Self { inverse, translation, .. } = self;
 
+        // Subtract the translation, then transform origin and direction. The interval stays.
         let origin = inverse.apply(ray.origin - translation);
         Ray { origin, dir: inverse.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
@@ -77,6 +79,7 @@ impl<P: Lanes> RayTransform<f32x8> for SubtractFirst<P> {
     fn ray_to_object(&self, ray: &Ray<f32x8>) -> Ray<f32x8> {
         let SubtractFirst { inverse, translation, .. } = self.widen();
 
+        // Subtract the translation, then transform origin and direction. The interval stays.
         let origin = inverse.apply(ray.origin - translation);
         Ray { origin, dir: inverse.apply(ray.dir), t_min: ray.t_min, t_max: ray.t_max }
     }
@@ -96,7 +99,7 @@ impl TransformMethod for SubtractFirst<f32> {
 
     fn prepare(object_to_world: &Affine3) -> Result<Self, SingularTransform> {
         let inverse = inverse_linear(object_to_world)?.as_mat3();
-        // It may have overflowed, or lost an axis to underflow.
+        // The inverse may have overflowed, or lost an axis by underflow.
         if !inverse.is_finite() || is_singular(&inverse.as_dmat3()) {
             return Err(SingularTransform { transform: *object_to_world });
         }

@@ -1,23 +1,24 @@
-//! Quadrics. Along the ray, the surface's equation becomes a polynomial of second degree in `t`, and its roots within the
-//! ray's interval and the surface's clip box are candidates. Both are: a ray may pass the nearer one outside of the box,
-//! through the part that is cut away, and hit the inner side. `u = v = 0` for every hit; the normal is
-//! [`Quadric::normal`], the gradient.
+//! Quadrics: surfaces of second degree. Along the ray, the surface's equation becomes a polynomial of second degree
+//! in `t`. Its roots within the ray's interval and the surface's clip box are candidates. Both count: the ray may
+//! pass the nearer root outside the box, where the surface is cut away, and hit the inner side at the other. Every
+//! hit has `u = v = 0`. The normal is the gradient, [`Quadric::normal`].
 //!
 //! # Where the box cuts
 //!
-//! A root is known up to its rounding error, and so is the interval of the box ([`Padded`](super::aabb::Padded)). From
-//! far enough away an ulp of `t` is longer than the gap between a sphere and its box, so a root counts within an interval
-//! that is longer at both ends by the error bound. The reported `t` is then clamped to the entry as the slab test computes
-//! it, which no box around this one enters later. A tree of boxes can therefore be culled by the slab test, and
-//! the closest hit does not depend on its shape.
+//! A root has a rounding error, and so has the interval of the box ([`Padded`](super::aabb::Padded)). From far away,
+//! an ulp of `t` is longer than the gap between a sphere and its box. So a root counts within an interval that is
+//! longer at both ends by the error bound. The reported `t` is then clamped to the entry as the slab test computes
+//! it. No box around this one is entered later. So a tree of boxes can be culled by the slab test, and the closest
+//! hit does not depend on the shape of the tree.
 //!
 //! # What kernels lose, and where
 //!
-//! The discriminant `b² - a·c` (for `a·t² + 2b·t + c`) is about the square of the surface's size, its terms about the
-//! square of the distance of the point they are expanded about: from a thousand sizes away nothing is left of it. All but
-//! the textbook's kernel therefore move the ray's origin along the ray first, to a point near the surface. The root of the
-//! smaller magnitude is lost a second time in `-b ± √D` where b² is much larger than a·c, next to the surface or
-//! where `a` is small; they take it from the other root instead.
+//! The polynomial is `a·t² + 2b·t + c`, its discriminant `b² - a·c`. The discriminant is about the square of the
+//! surface's size. Its terms are about the square of the distance of the point about which they are expanded. From a
+//! thousand sizes away nothing is left of the difference. So every kernel except `quadric/naive` first moves the
+//! ray's origin along the ray, to a point near the surface. In `-b ± √D` the root of the smaller magnitude is lost a
+//! second time where b² is much larger than a·c: next to the surface, or where `a` is small. These kernels compute it
+//! from the other root.
 
 mod mixed;
 mod naive;
@@ -42,12 +43,12 @@ use crate::geom::{Aabb, Hit, Quadric, Ray};
 use crate::kernels::Operations;
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
 
-/// Where a ray runs through a quadric's box.
+/// The part of a ray inside the clip box of a quadric.
 #[derive(Clone, Copy, Debug)]
 struct ClipInterval<L: Lanes> {
-    /// Of the whole line, whatever the ray's interval: where the origin may be moved to.
+    /// Entry and exit of the whole line, without the ray's interval. The origin may be moved between them.
     line: [L; 2],
-    /// Where the ray's own interval starts.
+    /// Start of the ray's own interval.
     t_min: L,
     /// Entry, moved out by its error bound.
     earliest: L,
@@ -60,8 +61,11 @@ struct ClipInterval<L: Lanes> {
 impl ClipInterval<f32> {
     #[inline(always)]
     fn of(clip: &Slabs<f32>, origin: Vec3, setup: &InverseDirection<f32>) -> Self {
+        // Intersect the whole line with the box.
         let line = InverseDirection { inv_dir: setup.inv_dir, t_min: f32::NEG_INFINITY, t_max: f32::INFINITY };
         let (entry, exit) = slab_interval(clip, origin, &line);
+
+        // Cut it to the ray's interval, and move its ends out by their error bounds.
         Self {
             line: [entry, exit],
             t_min: setup.t_min,
@@ -71,28 +75,30 @@ impl ClipInterval<f32> {
         }
     }
 
-    /// The nearest point of the box's interval.
+    /// The point nearest to `t` between entry and exit of the whole line.
     #[inline(always)]
     fn clamp(&self, t: f32) -> f32 {
         let [entry, exit] = self.line;
         min(max(t, entry), exit)
     }
 
-    /// Where to move the origin to, for kernels that lose nothing between there and the surface: nowhere from within the
-    /// box, so that short distances keep their digits, and else to the box, as near to 0 as the ray comes.
+    /// The `t` to which a kernel moves the origin if it loses nothing between there and the surface. From inside the
+    /// box it is 0, and short distances keep their digits. From outside it is a point of the box: the one where the
+    /// ray is closest to the coordinates' origin.
     #[inline(always)]
     fn start(&self, origin: Vec3, to_closest: Vec3) -> f32 {
         let [entry, exit] = self.line;
         if (entry <= 0.0) & (exit >= 0.0) { 0.0 } else { self.clamp(origin.dot(to_closest)) }
     }
 
-    /// Whether a hit at `t` is one of the box too. Infinities and NaN are not.
+    /// Whether a hit at `t` lies in the box and in the ray's interval, within the error bounds. False for infinities
+    /// and NaN.
     #[inline(always)]
     fn contains(&self, t: f32) -> bool {
         t_in_range(self.t_min, t, self.exit) & (t >= self.earliest) & (self.entry <= self.exit)
     }
 
-    /// The nearer of two roots, in whatever order they come, among those that count.
+    /// The nearer of the two roots, given in any order, among those that count.
     #[inline(always)]
     fn hit(&self, [t0, t1]: [f32; 2]) -> Hit<f32> {
         let (first, second) = (self.contains(t0), self.contains(t1));
@@ -100,7 +106,7 @@ impl ClipInterval<f32> {
         Hit::<f32>::new(first | second, self.report(t), 0.0, 0.0)
     }
 
-    /// A `t` that counts, clamped so that no box around this one is entered later.
+    /// Clamps a `t` that counts. No box around this one is entered later.
     #[inline(always)]
     fn report(&self, t: f32) -> f32 {
         min(max(t, self.entry), self.exit)
@@ -111,12 +117,15 @@ impl ClipInterval<f32x8> {
     /// [`ClipInterval::<f32>::of`] in eight lanes.
     #[inline(always)]
     fn of(clip: &Slabs<f32x8>, origin: Vec3x8, setup: &InverseDirection<f32x8>) -> Self {
+        // Intersect the whole line with the box.
         let line = InverseDirection {
             inv_dir: setup.inv_dir,
             t_min: f32x8::splat(f32::NEG_INFINITY),
             t_max: f32x8::splat(f32::INFINITY),
         };
         let (entry, exit) = slab_interval8(clip, origin, &line);
+
+        // Cut it to the ray's interval, and move its ends out by their error bounds.
         Self {
             line: [entry, exit],
             t_min: setup.t_min,
@@ -165,27 +174,29 @@ impl ClipInterval<f32x8> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach<L: Lanes> {
     slabs: InverseDirection<L>,
-    /// `-dir / |dir|²`: times a point relative to the origin, it gives the `t` of the ray's closest approach.
+    /// `-dir / |dir|²`. Its dot product with the ray's origin is the `t` of the closest approach to 0.
     to_closest: L::Vec3,
     /// `dir / unit`.
     dir: L::Vec3,
-    /// A power of two of the magnitude of `dir`: dividing by it rounds nothing, and squares neither over- nor underflow.
+    /// A power of two near the magnitude of `dir`. Dividing by it rounds nothing, and squares neither overflow nor
+    /// underflow.
     unit: L,
     /// `1 / unit`.
     inv_unit: L,
 }
 
-/// So large that its inverse is not subnormal.
+/// The largest power of two whose inverse is not subnormal.
 const MAX_UNIT: f32 = 1.0 / f32::MIN_POSITIVE;
 
 impl Approach<f32> {
-    /// Of [`Approach::of`].
+    /// Operations of [`Approach::of`].
     const OPERATIONS: Operations =
         InverseDirection::OPERATIONS.and(Operations { mul: 10, add: 2, compare: 4, div: 2, ..Operations::NONE });
 
-    /// Five divisions and the validity check.
+    /// The data of `ray`. Costs five divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {
+        // Divide the direction by a power of two near its size.
         let size = ray.dir.abs();
         let unit = power_of_two(max(max(size.x, size.y), size.z));
         let unit = min(max(unit, f32::MIN_POSITIVE), MAX_UNIT);
@@ -205,6 +216,7 @@ impl Approach<f32x8> {
     /// [`Approach::<f32>::of`] in eight lanes.
     #[inline(always)]
     pub fn of(ray: &Ray<f32x8>) -> Self {
+        // Divide the direction by a power of two near its size.
         let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
         let unit = power_of_two8(max8(max8(size.x, size.y), size.z));
         let unit = min8(max8(unit, f32x8::splat(f32::MIN_POSITIVE)), f32x8::splat(MAX_UNIT));
@@ -221,7 +233,7 @@ impl Approach<f32x8> {
 }
 
 prepared! {
-    /// `p·Mp + 2h·p + k`, the polynomial about some point, with everything multiplied by one power of two.
+    /// `p·Mp + 2h·p + k`: the polynomial about some point, with all coefficients multiplied by one power of two.
     struct Form<P: Lanes> {
         /// Diagonal of M.
         squares: P::Vec3,
@@ -234,17 +246,17 @@ prepared! {
     }
 }
 
-/// 2¹²⁶: twice as much is still an `f32`.
+/// 2¹²⁶. Twice as much is still an `f32`.
 const LARGE_POWER_OF_TWO: f64 = 1.0 / (f32::MIN_POSITIVE as f64);
 
-/// The power of two at or below a positive normal number: all bits but those of the exponent are cleared.
+/// The power of two at or below a positive normal number. All bits except those of the exponent are cleared.
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
 impl Form<f32> {
-    /// The polynomial about `center`, computed in `f64` and rounded once. Coordinates within the box are then at most about
-    /// `size`, and the power of two is such that the discriminant is about 1, far from both ends of the range.
+    /// The polynomial about `center`, computed in `f64` and rounded once. Coordinates in the box are then at most
+    /// about `size`. The power of two brings the discriminant to about 1, far from both ends of the range.
     fn about(shape: &Quadric, center: Vec3) -> Self {
         let (squares, products) = (shape.squares.as_dvec3(), shape.products.as_dvec3() * 0.5);
         let m = DMat3::from_cols(
@@ -263,9 +275,9 @@ impl Form<f32> {
         Self::scaled([squares, products, linear], constant, 1.0 / power_of_two_below(magnitude))
     }
 
-    /// The polynomial about 0, for kernels whose discriminant has all of the range of `f64`. The greatest coefficient is
-    /// brought next to the end of the range of `f32`: then none is lost, however small beside it, but for two last bits
-    /// of those that are less than 2⁻²⁵² of it.
+    /// The polynomial about 0, for kernels whose discriminant has the whole range of `f64`. The largest coefficient
+    /// is scaled to near the end of the range of `f32`. Then no coefficient is lost, however small it is beside the
+    /// largest. Those below 2⁻²⁵² of the largest may lose the last two bits.
     fn of(shape: &Quadric) -> Self {
         let (squares, constant) = (shape.squares.as_dvec3(), f64::from(shape.constant));
         let (products, linear) = (shape.products.as_dvec3() * 0.5, shape.linear.as_dvec3() * 0.5);
@@ -306,7 +318,7 @@ impl Form<f32> {
         )
     }
 
-    /// `d·Md`: what t² is multiplied by.
+    /// `d·Md`: the coefficient of t².
     #[inline(always)]
     fn curvature(&self, d: Vec3) -> f32 {
         self.squares.dot(d * d) + self.products.dot(Vec3::new(d.y * d.z, d.z * d.x, d.x * d.y)) * 2.0
@@ -360,13 +372,17 @@ impl Form<f32x8> {
     }
 }
 
-/// The roots of `a·t² + 2b·t + c` with the discriminant `b² - a·c`, in no order; those that are infinite or NaN are none.
-/// The sum in `q` never cancels. Where `a` is zero, `c/q` is the one root, without a case of its own; where `b` is zero too
-/// there is none.
+/// The roots of `a·t² + 2b·t + c` with the discriminant `b² - a·c`, in any order. An infinite or NaN result is not a
+/// root.
+///
+/// The sum in `q` never cancels. Where `a` is zero, `c/q` is the only root, without a special case. Where `b` is zero
+/// too, there is none.
 #[inline(always)]
 fn roots(discriminant: f32, a: f32, b: f32, c: f32) -> [f32; 2] {
-    // An infinite q would make c/q a root at 0.
+    // Take the root of the discriminant. An infinite q would make c/q a root at 0.
     let root = if discriminant < f32::INFINITY { sqrt(discriminant) } else { f32::NAN };
+
+    // Add numbers of one sign only.
     let q = -(b + if sign_bit(b) { -root } else { root });
     [q / a, c / q]
 }
@@ -374,14 +390,18 @@ fn roots(discriminant: f32, a: f32, b: f32, c: f32) -> [f32; 2] {
 /// [`roots`] in eight lanes.
 #[inline(always)]
 fn roots8(discriminant: f32x8, a: f32x8, b: f32x8, c: f32x8) -> [f32x8; 2] {
+    // Take the root of the discriminant. An infinite q would make c/q a root at 0.
     let finite = lt8(discriminant, f32x8::splat(f32::INFINITY));
     let root = finite.select(sqrt8(discriminant), f32x8::splat(f32::NAN));
+
+    // Add numbers of one sign only.
     let q = -(b + sign_bit8(b).select(-root, root));
     [q / a, c / q]
 }
 
-/// The point of the box with the least coordinates in magnitude where it contains 0, and elsewhere its middle. The named
-/// kinds contain their own centre or apex, 0, about which their coefficients are given: these are then not rounded.
+/// The point about which to expand. On each axis it is 0 where the box contains 0, and else the middle of the box.
+/// The named kinds contain their own centre or apex, 0, and their coefficients are given about it. These coefficients
+/// are then not rounded.
 fn center(clip: &Aabb) -> Vec3 {
     Vec3::from([0, 1, 2].map(|axis| {
         let (lo, hi) = (clip.lo[axis], clip.hi[axis]);
@@ -391,13 +411,13 @@ fn center(clip: &Aabb) -> Vec3 {
         } else if middle.is_finite() {
             middle
         } else {
-            // Of a box that is infinite to one side, the other.
+            // The box is infinite on one side. Take the other.
             if lo > 0.0 { lo } else { hi }
         }
     }))
 }
 
-/// Greatest distance, along an axis, from `center` to a side of the box that is not infinitely far; 1 if there is none.
+/// The largest distance, along an axis, from `center` to a finite side of the box. 1 if there is none.
 fn size(clip: &Aabb, center: Vec3) -> f64 {
     let distances = [clip.lo, clip.hi].map(|corner| (corner.as_dvec3() - center.as_dvec3()).abs().to_array());
     let finite = distances.as_flattened().iter().filter(|distance| distance.is_finite());

@@ -1,21 +1,22 @@
-//! `triangle/baldwin_weber`: the ray moved into the triangle's own coordinates.
+//! `triangle/baldwin_weber`: transforms the ray into the triangle's own coordinates.
 //!
 //! **Source:** D. Baldwin, M. Weber, "Fast Ray-Triangle Intersections by Coordinate Transformation", JCGT 5(3), 2016.
 //!
-//! **Idea:** an affine map takes the triangle to (0,0,0), (1,0,0), (0,1,0). Its third row gives `t` as a quotient; the
-//! other two give `u` and `v` of the point that the ray reaches there.
+//! **Idea:** an affine map takes the triangle to (0,0,0), (1,0,0), (0,1,0). Its third row gives `t` as a quotient.
+//! The other two rows give `u` and `v` of the point at `t`.
 //!
-//! **Differs from the paper:** it drops one column by taking a coordinate axis for the third direction, which needs a
-//! branch on that axis; here the third direction is the normal, all 12 numbers are kept, and nothing branches. With the
-//! normal, `u` and `v` are as insensitive as can be to an error of the point off the plane. The map is computed in
-//! `f64` and rounded once. The third row is scaled to a greatest component of 1, so that it neither over- nor
-//! underflows.
+//! **Differs from the paper:** the paper takes a coordinate axis as the third direction. That saves one column and
+//! needs a branch on the axis. Here the third direction is the normal: all 12 numbers are stored, and nothing
+//! branches. With the normal, an error of the point off the plane changes `u` and `v` as little as possible. The map
+//! is computed in `f64` and rounded once. The third row is scaled to a largest component of 1, so it neither
+//! overflows nor underflows.
 //!
-//! **Fails:** the constants of the three rows grow with the distance of the triangle from the coordinates' origin, and
-//! the sums with them cancel: far from the origin `u`, `v` and `t` lose digits where methods that subtract first lose
-//! none. Near it, on a huge triangle, the reverse. Leaks at edges and vertices.
+//! **Fails:** the constants of the three rows grow with the triangle's distance from the origin of coordinates, and
+//! the sums with them cancel. Far from the origin `u`, `v` and `t` lose digits. Methods that subtract first lose none
+//! there. Near the origin, on a huge triangle, it is the other way round. Leaks at edges and vertices.
 //!
-//! **Degenerate input:** no map exists for zero area; it is stored as NaN and misses. So is what is not finite.
+//! **Degenerate input:** no map exists for a triangle of zero area. It is stored as NaN and misses. The same holds
+//! for a triangle that is not finite.
 //!
 //! **Operations:** 15 multiplications, 15 additions, 1 division, 5 minima and comparisons. 48 bytes prepared.
 
@@ -28,7 +29,8 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
-    /// Triangles for the Baldwin–Weber test: the map from the world, row by row. `u(p) = u·p + u0`, and so on.
+    /// Triangles for the Baldwin–Weber test: the map from the world to the triangle, row by row. `u(p) = u_row·p +
+    /// u0`, `v` likewise; `n_row` and `n0` give the height over the plane.
     pub struct BaldwinWeber<P: Lanes> {
         u_row: P::Vec3,
         u0: P,
@@ -55,8 +57,8 @@ impl Kernel for BaldwinWeber<f32> {
         let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
         let (e1, e2, n) = (v1 - v0, v2 - v0, normal(shape));
         let squared = n.length_squared();
-        // p - v0 = u e1 + v e2 + w n, solved by the vectors perpendicular to all but one of the three. Zero area divides
-        // by zero.
+        // Solve p - v0 = u·e1 + v·e2 + w·n. Each gradient is perpendicular to two of the three vectors. Zero area
+        // divides by zero.
         let (u, v) = (e2.cross(n) / squared, n.cross(e1) / squared);
         let n = n / n.abs().max_element();
         let row = |gradient: DVec3| (gradient.as_vec3(), -gradient.dot(v0) as f32);
@@ -77,16 +79,20 @@ impl Intersect<f32> for BaldwinWeber<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { u_row, u0, v_row, v0, n_row, n0 } = *self;
 
-        // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
+        // Intersect the plane. A ray parallel to it divides by zero: t is infinite or NaN.
         let t = -(n_row.dot(ray.origin) + n0) / n_row.dot(ray.dir);
+
+        // Map the point to the barycentrics.
         let p = ray.origin + ray.dir * t;
         let u = u_row.dot(p) + u0;
         let v = v_row.dot(p) + v0;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Test the range of t.
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
@@ -101,14 +107,18 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let BaldwinWeber { u_row, u0, v_row, v0, n_row, n0 } = self.widen();
 
-        // A ray parallel to the triangle divides by zero: `t` is infinite or NaN.
+        // Intersect the plane. A ray parallel to it divides by zero: t is infinite or NaN.
         let t = -(n_row.dot(ray.origin) + n0) / n_row.dot(ray.dir);
+
+        // Map the point to the barycentrics.
         let p = ray.origin + ray.dir * t;
         let u = u_row.dot(p) + u0;
         let v = v_row.dot(p) + v0;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Test the range of t.
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -3,16 +3,18 @@
 //! **Source:** P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", chapter on ray tracing; J. M.
 //! Snyder, A. H. Barr, "Ray Tracing Complex Models Containing Surface Tessellations", 1987.
 //!
-//! **Idea:** write the hit as a linear system in (β, γ, t) with the columns `v0 - v1`, `v0 - v2`, `dir` and the right
-//! side `v0 - origin`. Each unknown is a quotient of two 3×3 determinants.
+//! **Idea:** write the hit as a linear system in (β, γ, t). Its columns are `v0 - v1`, `v0 - v2` and `dir`, its right
+//! side is `v0 - origin`. Each unknown is a quotient of two 3×3 determinants.
 //!
-//! **Differs from the textbook** in that edges belong to the triangle: its strict inequalities let a ray through a
-//! shared edge miss both neighbours.
+//! **Differs from the textbook:** edges belong to the triangle. With the textbook's strict inequalities, a ray
+//! through a shared edge can miss both neighbours.
 //!
-//! **Fails:** rounding moves a ray off an edge on both sides independently, so a mesh leaks. Determinants scale with the
-//! cube of the size: far from 1 they over- and underflow. Grazing rays and slivers cancel in the determinant.
+//! **Fails:** rounding moves a ray off an edge, independently for each of the two triangles, so a mesh leaks.
+//! Determinants grow with the cube of the size: far from 1 they overflow or underflow. For grazing rays and slivers
+//! the determinant cancels.
 //!
-//! **Degenerate input:** a zero determinant (parallel ray, zero area seen exactly) is a miss; there is no epsilon.
+//! **Degenerate input:** a zero determinant is a miss: a parallel ray, or a zero area that is computed exactly. There
+//! is no epsilon.
 //!
 //! **Operations:** 36 multiplications, 30 additions, 3 divisions, 5 minima and comparisons. Nothing is prepared: a
 //! primitive is its 9 coordinates.
@@ -27,7 +29,7 @@ use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
-    /// Triangles for Cramer's rule: the vertices as they are.
+    /// Triangles for Cramer's rule: the unchanged vertices.
     pub struct Cramer<P: Lanes> {
         vertices: Vertices<P>,
     }
@@ -57,7 +59,7 @@ impl Kernel for Cramer<f32> {
     }
 }
 
-/// Determinant of the matrix with these columns, expanded along the first column.
+/// The determinant of the matrix with these columns, expanded along the first column.
 #[inline(always)]
 fn determinant(a: Vec3, b: Vec3, c: Vec3) -> f32 {
     a.x * (b.y * c.z - c.y * b.z) + a.y * (c.x * b.z - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x)
@@ -79,16 +81,20 @@ impl Intersect<f32> for Cramer<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { vertices: Vertices { v0, v1, v2 } } = *self;
 
-        // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
+        // Set up the system (v0 - v1)·β + (v0 - v2)·γ + dir·t = v0 - origin.
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
+
+        // Solve it for the barycentrics.
         let det = determinant(a, b, ray.dir);
         let u = determinant(s, b, ray.dir) / det;
         let v = determinant(a, s, ray.dir) / det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Solve it for t and test the range.
         let t = determinant(a, b, s) / det;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -104,14 +110,18 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let Cramer { vertices: Vertices { v0, v1, v2 } } = self.widen();
 
-        // (v0 - v1) β + (v0 - v2) γ + dir t = v0 - origin
+        // Set up the system (v0 - v1)·β + (v0 - v2)·γ + dir·t = v0 - origin.
         let (a, b, s) = (v0 - v1, v0 - v2, v0 - ray.origin);
+
+        // Solve it for the barycentrics.
         let det = determinant8(a, b, ray.dir);
         let u = determinant8(s, b, ray.dir) / det;
         let v = determinant8(a, s, ray.dir) / det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Solve it for t and test the range.
         let t = determinant8(a, b, s) / det;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

@@ -1,21 +1,22 @@
-//! `triangle/kensler_shirley`: normal prepared, one cross product per test.
+//! `triangle/kensler_shirley`: prepared normal, one cross product per test.
 //!
 //! **Source:** A. Kensler, P. Shirley, "Optimizing Ray-Triangle Intersection via Automated Search", 2006. The form is
-//! that of Embree's fast test, in the order of its `e1 = v0 - v1`, which saves a negation.
+//! that of Embree's fast test, with its `e1 = v0 - v1`, which saves a negation.
 //!
-//! **Idea:** of the many ways to share terms between the four determinants of Möller and Trumbore, the one with the
-//! normal `n` in common: `(v0 - origin) × dir` once, and four dot products, with `n` and the edges known beforehand.
+//! **Idea:** the four determinants of Möller and Trumbore can share terms in many ways. Here they share the normal
+//! `n`. The test computes `(v0 - origin) × dir` once, and then four dot products with the prepared normal and edges.
 //!
-//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so that it is as good for a sliver
-//! as for any triangle; both sides hit; there is no epsilon. Embree compares before it divides; here the reciprocal of the
-//! determinant is multiplied in first, like everywhere in this crate, which costs no more in a packet.
+//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so it is as good for a sliver as
+//! for any triangle. Both sides hit. There is no epsilon. Embree compares before it divides. Here the reciprocal of
+//! the determinant is multiplied in first, as everywhere in this crate; in a packet that costs no more.
 //!
-//! **Fails:** it leaks at edges and vertices like Möller–Trumbore. `t` does not suffer from slivers, since it is a
-//! quotient of two products with the prepared normal. The normal scales with the square of the size, and the
-//! determinant with the direction besides: where that is as long as the triangle, both are lost (subnormal, infinite) at
-//! sizes of 1e-15 and 1e15.
+//! **Fails:** leaks at edges and vertices like Möller–Trumbore. Slivers do not harm `t`, a quotient of two products
+//! with the prepared normal. The normal grows with the square of the size, and the determinant also with the
+//! direction. If the direction is as long as the triangle, the determinant is subnormal or infinite at sizes of 1e-15
+//! and 1e15.
 //!
-//! **Degenerate input:** the normal of a triangle of zero area is exactly zero, hence the determinant, and it misses.
+//! **Degenerate input:** the normal of a triangle of zero area is exactly zero. So is the determinant, and the
+//! triangle misses.
 //!
 //! **Operations:** 21 multiplications, 15 additions, 1 division, 5 minima and comparisons. 48 bytes prepared.
 
@@ -67,18 +68,22 @@ impl Intersect<f32> for KenslerShirley<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { v0, e1, e2, n } = *self;
 
+        // Compute the shared cross product and the determinant.
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);
         let det = n.dot(ray.dir);
         let inv_det = 1.0 / det;
 
+        // Compute the barycentrics.
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Compute t and test its range.
         let t = n.dot(c) * inv_det;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -94,16 +99,20 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let KenslerShirley { v0, e1, e2, n } = self.widen();
 
+        // Compute the shared cross product and the determinant.
         let c = v0 - ray.origin;
         let r = c.cross(ray.dir);
         let det = n.dot(ray.dir);
         let inv_det = f32x8::ONE / det;
 
+        // Compute the barycentrics.
         let u = r.dot(e2) * inv_det;
         let v = r.dot(e1) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Compute t and test its range.
         let t = n.dot(c) * inv_det;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

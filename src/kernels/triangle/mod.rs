@@ -1,11 +1,11 @@
-//! Triangles. A hit satisfies `origin + t·dir = v0 + u·(v1 - v0) + v·(v2 - v0)`: three equations, three unknowns. The
-//! textbook's barycentrics β and γ are `u` and `v`. Both sides hit; edges and vertices belong to the triangle
-//! (`u >= 0`, `v >= 0`, `u + v <= 1`), and every kernel says what becomes of that under rounding.
+//! Triangles. A hit satisfies `origin + t·dir = v0 + u·(v1 - v0) + v·(v2 - v0)`: three equations with three unknowns.
+//! `u` and `v` are the textbook's barycentrics β and γ. Both sides hit. Edges and vertices belong to the triangle (`u
+//! >= 0`, `v >= 0`, `u + v <= 1`). The header of each kernel says what becomes of that under rounding.
 //!
-//! A scalar twin returns as soon as the ray is known to pass beside, which most do. A packet goes on to the end: whether any
-//! of eight unlike rays is inside, no processor foresees. With an exit, packets were 0.49 to 0.73 times as fast, and whole
-//! scenes 0.87 to 1.04. One for packets of `triangle/woop` along one axis alone made primary rays of a mesh 1.05 times as fast,
-//! and its shadow rays 0.93.
+//! A scalar twin returns as soon as it knows that the ray misses, and most rays do. A packet twin runs to the end: a
+//! branch on eight different rays cannot be predicted. With such a branch, packets ran at 0.49 to 0.73 times the
+//! speed, and whole scenes at 0.87 to 1.04 times. A branch in `triangle/woop` only for packets whose rays all have
+//! one axis gave 1.05 times the speed for primary rays of a mesh, and 0.93 times for its shadow rays.
 
 mod baldwin_weber;
 mod cramer;
@@ -37,7 +37,7 @@ use crate::geom::lanes::{Lanes, Mask8, ge8, le8, max, max8, min, min8};
 use crate::kernels::aabb::Slabs;
 
 prepared! {
-    /// The vertices of one triangle or of eight: what kernels store that prepare nothing, 36 bytes a triangle.
+    /// The vertices of one triangle or of eight, 36 bytes a triangle. Kernels that prepare nothing store them.
     pub struct Vertices<P: Lanes> {
         /// Vertices with `u = v = 0`.
         pub v0: P::Vec3,
@@ -55,7 +55,7 @@ impl From<&Triangle> for Vertices<f32> {
 }
 
 impl Vertices<f32x8> {
-    /// The triangles' boxes.
+    /// The boxes of the triangles.
     #[inline(always)]
     fn bounds(&self) -> Slabs<f32x8> {
         let Self { v0, v1, v2 } = self;
@@ -63,28 +63,31 @@ impl Vertices<f32x8> {
     }
 }
 
-/// `(v1 - v0) × (v2 - v0)` in `f64`. Differences of `f32` of like size are exact in `f64`, and so is a product of two
-/// of them, so that this is zero for a triangle of zero area, and its direction is good for any sliver.
+/// `(v1 - v0) × (v2 - v0)` in `f64`. Differences of `f32` numbers of similar size are exact in `f64`, and so are
+/// products of two such differences. So the normal of a triangle of zero area is exactly zero, and the normal of any
+/// sliver has the right direction.
 fn normal(shape: &Triangle) -> DVec3 {
     let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
     (v1 - v0).cross(v2 - v0)
 }
 
-/// Whether `u >= 0`, `v >= 0` and `u + v <= 1`; not with a NaN, which the last minimum hands on. One comparison makes one
-/// branch: of three, rustc 1.95 makes three, each of which is as often taken as not, and kernels took 2.0 to 2.5 times as long.
+/// Whether `u >= 0`, `v >= 0` and `u + v <= 1`. False for a NaN, because the last minimum passes it on.
+///
+/// One comparison makes one branch. rustc 1.95 makes three branches of three comparisons. Each of those is taken
+/// about half the time, and kernels took 2.0 to 2.5 times as long.
 #[inline(always)]
 fn barycentrics_inside(u: f32, v: f32) -> bool {
     min(min(u, v), 1.0 - (u + v)) >= 0.0
 }
 
-/// [`barycentrics_inside`] in eight lanes, where nothing branches and the shorter way is the faster.
+/// [`barycentrics_inside`] in eight lanes. Nothing branches here, so the shorter form is faster.
 #[inline(always)]
 fn barycentrics_inside8(u: f32x8, v: f32x8) -> Mask8 {
     ge8(min8(u, v), f32x8::ZERO) & le8(u + v, f32x8::ONE)
 }
 
-/// How clearly all three weights have one sign: positive where they do, zero where one or more of them are zero and the rest
-/// agree, negative where two differ. A NaN among them may go unnoticed: what is computed with them is NaN as well.
+/// Compares the signs of three weights. Positive if all three agree. Zero if at least one weight is zero and the
+/// others agree. Negative if two signs differ. A NaN may go unnoticed: everything computed from it is NaN too.
 #[inline(always)]
 fn sign_agreement([u, v, w]: [f32; 3]) -> f32 {
     let (least, greatest) = (min(min(u, v), w), max(max(u, v), w));
@@ -102,7 +105,7 @@ fn sign_agreement8([u, v, w]: [f32x8; 3]) -> f32x8 {
 mod tests {
     use super::*;
 
-    /// Numbers about the bounds of a triangle, and what is none.
+    /// Numbers around the bounds of a triangle, infinities and a NaN.
     const SHARP: [f32; 16] = [
         0.0,
         -0.0,
@@ -129,13 +132,13 @@ mod tests {
                 let expected = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
                 assert_eq!(barycentrics_inside(u, v), expected, "{u:?}, {v:?}");
                 let eight = barycentrics_inside8(f32x8::splat(u), f32x8::splat(v)).bits();
-                assert_eq!(eight, if expected { 0xff } else { 0 }, "eight times {u:?}, {v:?}");
+                assert_eq!(eight, if expected { 0xff } else { 0 }, "eight lanes of {u:?}, {v:?}");
             }
         }
     }
 
     #[test]
-    fn weights_agree_where_no_two_signs_differ() {
+    fn sign_agreement_is_negative_only_if_two_signs_differ() {
         let numbers: Vec<f32> = SHARP.into_iter().filter(|number| !number.is_nan()).collect();
         for &u in &numbers {
             for &v in &numbers {
@@ -147,7 +150,7 @@ mod tests {
                     assert_eq!(found >= 0.0, agree, "{weights:?}");
                     assert_eq!(found == 0.0, agree & weights.contains(&0.0), "{weights:?}");
                     for lane in sign_agreement8(weights.map(f32x8::splat)).to_array() {
-                        assert_eq!(lane.to_bits(), found.to_bits(), "eight times {weights:?}");
+                        assert_eq!(lane.to_bits(), found.to_bits(), "eight lanes of {weights:?}");
                     }
                 }
             }

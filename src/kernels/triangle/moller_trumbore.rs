@@ -1,21 +1,21 @@
-//! `triangle/moller_trumbore`: what most people use.
+//! `triangle/moller_trumbore`: the most widely used triangle test.
 //!
 //! **Source:** T. Möller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
 //!
-//! **Idea:** the system of Cramer's rule, with the four determinants factored through two cross products, `dir × e2` and
-//! `(origin - v0) × e1`, and a single division.
+//! **Idea:** Cramer's rule, with the four determinants factored through two cross products, `dir × e2` and `(origin -
+//! v0) × e1`, and with a single division.
 //!
-//! **Differs from the paper:** both edges are prepared; both sides hit; a ray exits early once, a packet not at all; and there
-//! is no epsilon on the determinant, which would lose small triangles. The reciprocal of the determinant is rounded before
-//! it is multiplied with, as in the paper.
+//! **Differs from the paper:** both edges are prepared. Both sides hit. One ray exits early, in one place; a packet
+//! never does. There is no epsilon on the determinant: it would lose small triangles. The reciprocal of the
+//! determinant is rounded before it is multiplied, as in the paper.
 //!
-//! **Fails:** like Cramer's rule it leaks at edges and vertices. Its `t` is the first to go on slivers, since
-//! `e2 · ((origin - v0) × e1)` cancels where the normal of the triangle is computed last.
+//! **Fails:** leaks at edges and vertices like Cramer's rule. On slivers `t` is the first to lose digits: the normal
+//! is never computed on its own, and `e2 · ((origin - v0) × e1)` cancels.
 //!
-//! **Degenerate input:** a zero determinant is a miss: ±∞ and NaN are not within.
+//! **Degenerate input:** a zero determinant is a miss, because ±∞ and NaN fail the test of the barycentrics.
 //!
-//! **Operations:** 27 multiplications, 18 additions, 1 division, 5 minima and comparisons, where the paper's form, which
-//! computes the edges anew for every ray, has 24 additions. 36 bytes prepared.
+//! **Operations:** 27 multiplications, 18 additions, 1 division, 5 minima and comparisons. The paper's form has 24
+//! additions, because it computes the edges for every ray. 36 bytes prepared.
 
 use wide::f32x8;
 
@@ -62,19 +62,23 @@ impl Intersect<f32> for MollerTrumbore<f32> {
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
         let Self { v0, e1, e2 } = *self;
 
+        // Compute the determinant.
         let p = ray.dir.cross(e2);
         let det = e1.dot(p);
         let inv_det = 1.0 / det;
 
+        // Compute the barycentrics.
         let s = ray.origin - v0;
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = ray.dir.dot(q) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
             return Hit::MISS;
         }
+
+        // Compute t and test its range.
         let t = e2.dot(q) * inv_det;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -90,17 +94,21 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
         let MollerTrumbore { v0, e1, e2 } = self.widen();
 
+        // Compute the determinant.
         let p = ray.dir.cross(e2);
         let det = e1.dot(p);
         let inv_det = f32x8::ONE / det;
 
+        // Compute the barycentrics.
         let s = ray.origin - v0;
         let u = s.dot(p) * inv_det;
         let q = s.cross(e1);
         let v = ray.dir.dot(q) * inv_det;
 
-        // Each test is true for a hit, so a NaN is always a miss.
+        // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         let inside = barycentrics_inside8(u, v);
+
+        // Compute t and test its range.
         let t = e2.dot(q) * inv_det;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

@@ -2,37 +2,40 @@
 //!
 //! **Source:** S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 //!
-//! **Idea:** move the origin to zero and shear space so that the ray becomes the axis its direction is longest along.
-//! Each vertex is rounded once, alone, to a point of the plane across that axis, so all triangles at a vertex see the
-//! same point. What is left is whether the plane's origin lies in a triangle of rounded points: the signs of three 2×2
-//! determinants. `a·b - c·d` rounded three times has the right sign or is zero, since rounding is monotonic; where it
-//! is zero it is computed again in `f64`, whose products of `f32` are exact.
+//! **Idea:** move the ray's origin to zero. Shear space until the ray runs along the axis on which its direction is
+//! longest. This turns each vertex, by itself and with one rounding, into a point of the plane across that axis. So
+//! all triangles at a vertex see the same point. It remains to decide whether the plane's origin lies in a triangle
+//! of rounded points. The signs of three 2×2 determinants tell. `a·b - c·d` rounded three times has the right sign or
+//! is zero, because rounding is monotonic. Where it is zero, it is computed again in `f64`, in which products of
+//! `f32` numbers are exact.
 //!
-//! **Differs from the paper:** the remaining two axes always follow in cyclic order. The paper swaps them for a
-//! negative direction to keep the winding; as both sides hit, all three signs may change together. Only the
-//! determinants that are zero are computed again, not all three. `t` is interpolated with the normalised weights and
-//! divided by the direction last, which saves two multiplications and keeps products in range. In a packet every lane
-//! has axes of its own: two selections per coordinate, or none where all eight agree, as they do for one ray against
-//! eight triangles.
+//! **Differs from the paper:** the other two axes always follow in cyclic order. The paper swaps them for a negative
+//! direction, to keep the winding. Here both sides hit, so all three signs may change together. Only determinants
+//! that are zero are computed again, not all three. `t` is interpolated with the normalised weights and divided by
+//! the direction last. That saves two multiplications and keeps products in range. In a packet every lane has its own
+//! axes. That takes two selections per coordinate, or none where all eight lanes agree, as they do for one ray
+//! against eight triangles.
 //!
-//! **Edges:** closed. A ray through an edge or a vertex hits all triangles that it meets there. **Claims:** in the
-//! plane the triangles of a mesh still share their vertices exactly, so no point between them is left out. Rounding
-//! moves a vertex by up to an ulp of its distance from the origin, and triangles with it; one that is turned over by
-//! that makes a ray hit two others beside it, or at the rim of a mesh, where there is no other, none.
+//! **Edges:** closed. A ray through an edge or a vertex hits all triangles that it meets there.
+//!
+//! **Claims:** the triangles of a mesh still share their vertices exactly in the plane, so no point between them is
+//! left out. Rounding moves a vertex by up to an ulp of its distance from the origin. If that flips a triangle, a ray
+//! can hit two triangles beside it. At the rim of a mesh, where there is no other triangle, it can hit none.
 //!
 //! **Fails:** products overflow beyond 1e19 and vanish below 1e-23. `t` needs a finite `1 / dir` on the longest axis.
 //!
-//! **Degenerate input:** rounded points of a triangle of zero area may well span some. Such triangles are found when
-//! they are prepared, and stored as NaN, which costs nothing per ray; so is what is not finite. A triangle whose
-//! rounded points are in line has three determinants of zero, or no agreeing signs; `0·∞` then makes `t` NaN. A ray
-//! that can hit nothing is set up with a NaN.
+//! **Degenerate input:** the rounded points of a triangle of zero area may span an area. So such triangles are found
+//! when they are prepared, and are stored as NaN. That costs nothing per ray. Triangles that are not finite are
+//! stored as NaN too. If the rounded points of a triangle are in line, either its three determinants are zero or
+//! their signs do not agree. With three zeros, `0·∞` makes `t` NaN. A ray that can hit nothing gets a NaN in its
+//! setup.
 //!
-//! **Seen:** of 11,200,000 rays at fans none leaked. Rays not exactly on a boundary that hit two triangles: of
-//! 1,840,000 aimed at edges, 22; of 3,730,000 aimed inside, none; of 1,560,000 aimed at a vertex and past it by
-//! rounding, 72 %, since the rounded vertex is then exactly on the ray.
+//! **Seen:** of 11,200,000 rays at fans none leaked. Some rays that are not exactly on a boundary hit two triangles:
+//! 22 of 1,840,000 aimed at edges; none of 3,730,000 aimed inside; 72 % of 1,560,000 that were aimed at a vertex and
+//! pass it by a rounding error, because the rounded vertex is then exactly on the ray.
 //!
-//! **Operations:** 19 multiplications, 22 additions, 1 division, 9 minima, maxima and comparisons; setup 3 divisions. 36
-//! bytes prepared.
+//! **Operations:** 19 multiplications, 22 additions, 1 division, 9 minima, maxima and comparisons. Setup: 3
+//! divisions. 36 bytes prepared.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -86,13 +89,20 @@ impl Intersect<f32> for Woop<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let Self { vertices } = self;
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
+
+        // Compute the weights and compare their signs.
         let mut weights = sheared.weights();
         let mut signs = sign_agreement(weights);
+
+        // Compute again, exactly, what came out as zero.
         if signs == 0.0 {
             weights = sheared.exact_weights(weights);
             signs = sign_agreement(weights);
         }
+
+        // Compute t and test its range.
         sheared.hit(signs >= 0.0, weights, ray, setup)
     }
 }
@@ -109,18 +119,25 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let Woop { vertices } = self.widen();
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
+
+        // Compute the weights and compare their signs.
         let mut weights = sheared.weights();
         let mut signs = sign_agreement8(weights);
+
+        // Compute again, exactly, what came out as zero.
         if eq8(signs, f32x8::ZERO).any() {
             weights = sheared.exact_weights(weights);
             signs = sign_agreement8(weights);
         }
+
+        // Compute t and test its range.
         sheared.hit(ge8(signs, f32x8::ZERO), weights, ray, setup)
     }
 }
 
-/// The vertices as they are, or NaN for a triangle that misses everything.
+/// The unchanged vertices, or NaN for a triangle that misses everything.
 pub(super) fn prepare(shape: &Triangle) -> Vertices<f32> {
     let squared = normal(shape).length_squared();
     if squared > 0.0 && squared < f64::INFINITY {
@@ -130,10 +147,10 @@ pub(super) fn prepare(shape: &Triangle) -> Vertices<f32> {
     }
 }
 
-/// Which way to shear space for a ray.
+/// How to shear space for a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shear {
-    /// Where the direction is longest.
+    /// The axis along which the direction is longest.
     axis: usize,
     x: f32,
     y: f32,
@@ -146,14 +163,14 @@ pub struct Shear {
 pub struct Shear8 {
     along_x: Mask8,
     along_y: Mask8,
-    /// The axis of all eight lanes, or [`Shear8::MIXED`].
+    /// The axis of all eight lanes, or [`Shear8::MIXED`] where they differ.
     axis: usize,
     x: f32x8,
     y: f32x8,
     z: f32x8,
 }
 
-/// The axes after `axis`, in cyclic order, then `axis` itself.
+/// Cycles the coordinates so that the one of `axis` comes last.
 #[inline(always)]
 fn cycle_axes(v: Vec3, axis: usize) -> Vec3 {
     match axis {
@@ -163,7 +180,7 @@ fn cycle_axes(v: Vec3, axis: usize) -> Vec3 {
     }
 }
 
-/// [`cycle_axes`] where all lanes have one axis.
+/// [`cycle_axes`] for one axis in all lanes.
 #[inline(always)]
 fn cycle_axes8(v: Vec3x8, axis: usize) -> Vec3x8 {
     match axis {
@@ -174,12 +191,13 @@ fn cycle_axes8(v: Vec3x8, axis: usize) -> Vec3x8 {
 }
 
 impl Shear {
-    /// Of [`Shear::of`].
+    /// Operations of [`Shear::of`].
     pub(super) const OPERATIONS: Operations = VALIDITY.and(Operations { compare: 3, div: 3, ..Operations::NONE });
 
-    /// Three divisions and the validity check.
+    /// The shear for `ray`. Costs three divisions and the validity check.
     #[inline(always)]
     pub fn of(ray: &Ray<f32>) -> Self {
+        // Find the axis along which the direction is longest.
         let size = ray.dir.abs();
         let along_x = (size.x >= size.y) & (size.x >= size.z);
         let along_y = size.y >= size.z;
@@ -190,6 +208,8 @@ impl Shear {
         } else {
             2
         };
+
+        // Compute the shear. A ray that misses everything gets a NaN.
         let d = cycle_axes(ray.dir, axis);
         let z = if ray.is_valid() { 1.0 / d.z } else { f32::NAN };
         Self { axis, x: d.x / d.z, y: d.y / d.z, z }
@@ -207,6 +227,7 @@ impl Shear8 {
     /// [`Shear::of`] in eight lanes.
     #[inline(always)]
     pub fn of(ray: &Ray<f32x8>) -> Self {
+        // Find the axis along which the direction is longest.
         let size = Vec3x8 { x: ray.dir.x.abs(), y: ray.dir.y.abs(), z: ray.dir.z.abs() };
         let along_x = ge8(size.x, size.y) & ge8(size.x, size.z);
         let along_y = ge8(size.y, size.z) & !along_x;
@@ -216,6 +237,8 @@ impl Shear8 {
             (0, 0) => 2,
             _ => Self::MIXED,
         };
+
+        // Compute the shear. A ray that misses everything gets a NaN.
         let d = Self::cycle_mixed_axes(ray.dir, along_x, along_y);
         let z = ray.is_valid().select(f32x8::ONE / d.z, f32x8::splat(f32::NAN));
         Self { along_x, along_y, axis, x: d.x / d.z, y: d.y / d.z, z }
@@ -227,7 +250,7 @@ impl Shear8 {
         Vec3x8 { x: pick(v.y, v.z, v.x), y: pick(v.z, v.x, v.y), z: pick(v.x, v.y, v.z) }
     }
 
-    /// [`cycle_axes`] in eight lanes, each about its own axis.
+    /// [`cycle_axes`] in eight lanes, each with its own axis.
     #[inline(always)]
     fn cycle_axes(&self, [a, b, c]: [Vec3x8; 3]) -> [Vec3x8; 3] {
         let (along_x, along_y) = (self.along_x, self.along_y);
@@ -249,7 +272,8 @@ impl Shear8 {
     }
 }
 
-/// A triangle as its ray sees it: `x` and `y` across the ray, `z` along its axis, not yet divided by the direction.
+/// A triangle after the shear: `x` and `y` across the ray, `z` along its axis. `z` is not yet divided by the
+/// direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheared {
     a: Vec3,
@@ -279,12 +303,17 @@ fn cross2x8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
 impl Sheared {
     #[inline(always)]
     pub(super) fn of(vertices: &Vertices<f32>, ray: &Ray<f32>, setup: &Shear) -> Self {
-        let (a, b, c) = (vertices.v0 - ray.origin, vertices.v1 - ray.origin, vertices.v2 - ray.origin);
+        let Vertices { v0, v1, v2 } = *vertices;
+
+        // Move the origin to zero and put the ray's axis last.
+        let [a, b, c] = [v0 - ray.origin, v1 - ray.origin, v2 - ray.origin];
         let [a, b, c] = [cycle_axes(a, setup.axis), cycle_axes(b, setup.axis), cycle_axes(c, setup.axis)];
+
+        // Project onto the plane across the ray.
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }
 
-    /// The edges opposite v1, v2 and v0, all walked in the same sense.
+    /// The edges opposite v1, v2 and v0, all walked in the same direction.
     #[inline(always)]
     pub(super) fn edges(&self) -> [(Vec3, Vec3); 3] {
         [(self.c, self.a), (self.a, self.b), (self.b, self.c)]
@@ -297,8 +326,8 @@ impl Sheared {
         [cross2(u), cross2(v), cross2(w)]
     }
 
-    /// The same with those that are zero computed again, so that only what is zero remains so. By value: a reference would
-    /// keep the whole triangle in memory.
+    /// The weights, with zeros computed again. What is still zero is exactly zero. Takes the triangle by value: a
+    /// reference would keep all of it in memory.
     #[cold]
     #[inline(never)]
     pub(super) fn exact_weights(self, weights: [f32; 3]) -> [f32; 3] {
@@ -315,10 +344,13 @@ impl Sheared {
         if !inside {
             return Hit::MISS;
         }
+
+        // Normalise the weights.
         let [u, v, w] = weights;
         let inv_det = 1.0 / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
-        // A NaN in any of the three arrives here, and is a miss.
+
+        // Interpolate t and test its range. A NaN in any weight makes t NaN: a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
@@ -328,7 +360,12 @@ impl Sheared8 {
     #[inline(always)]
     pub(super) fn of(vertices: &Vertices<f32x8>, ray: &Ray<f32x8>, setup: &Shear8) -> Self {
         let Vertices { v0, v1, v2 } = *vertices;
-        let [a, b, c] = setup.cycle_axes([v0 - ray.origin, v1 - ray.origin, v2 - ray.origin]);
+
+        // Move the origin to zero and put the ray's axis last.
+        let [a, b, c] = [v0 - ray.origin, v1 - ray.origin, v2 - ray.origin];
+        let [a, b, c] = setup.cycle_axes([a, b, c]);
+
+        // Project onto the plane across the ray.
         Self { a: setup.apply(a), b: setup.apply(b), c: setup.apply(c) }
     }
 
@@ -360,10 +397,12 @@ impl Sheared8 {
     /// [`Sheared::hit`] in eight lanes.
     #[inline(always)]
     pub(super) fn hit(&self, inside: Mask8, weights: [f32x8; 3], ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        // Normalise the weights.
         let [u, v, w] = weights;
         let inv_det = f32x8::ONE / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
-        // A NaN in any of the three arrives here, and is a miss.
+
+        // Interpolate t and test its range. A NaN in any weight makes t NaN: a miss.
         let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }

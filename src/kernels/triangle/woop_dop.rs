@@ -1,22 +1,23 @@
-//! `triangle/woop_dop`: the watertight test without its fallback.
+//! `triangle/woop_dop`: the watertight test without its fallback. The letters stand for difference of products.
 //!
 //! **Source:** S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", 2013. Difference of products: W.
 //! Kahan, "On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic", 2004; C.-P. Jeannerod, N.
 //! Louvet, J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants",
 //! 2013.
 //!
-//! **Idea:** one fused operation recovers what the rounding of `c·d` lost, and `a·b - c·d` has a relative error of at
-//! most 2ε, ε = 2⁻²⁴. So its sign is right and it is zero only where the exact value is: nothing is computed twice, and
-//! nothing branches.
+//! **Idea:** one fused operation recovers what the rounding of `c·d` lost. Then `a·b - c·d` has a relative error of
+//! at most 2ε, ε = 2⁻²⁴. Its sign is right, and it is zero only where the exact value is zero. So nothing is computed
+//! twice, and nothing branches.
 //!
-//! **Differs from `triangle/woop`** in the determinants alone. Both triangles at an edge need not get the same
-//! magnitude, since they round different products first, but always opposite signs.
+//! **Differs from `triangle/woop`** only in the determinants. The two triangles at an edge may get different
+//! magnitudes, because they round different products first. They always get opposite signs.
 //!
 //! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be
 //! subnormal, so the range below ends at products of 1e-31.
 //!
-//! **Operations:** 22 multiplications, 28 additions, 1 division, 8 minima, maxima and comparisons; 6 are fused pairs of
-//! both; setup 3 divisions. 36 bytes prepared. It exists only where the build has fused multiply-add.
+//! **Operations:** 22 multiplications, 28 additions, 1 division, 8 minima, maxima and comparisons. 6 multiplications
+//! are fused with an addition. Setup: 3 divisions. 36 bytes prepared. The kernel exists only in builds with fused
+//! multiply-add.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -62,16 +63,20 @@ impl Kernel for WoopDop<f32> {
 /// `p.x·q.y - p.y·q.x` with a relative error of at most 2ε.
 #[inline(always)]
 fn difference((p, q): (Vec3, Vec3)) -> f32 {
+    // Round one product and recover its rounding error.
     let product = p.y * q.x;
     let lost = mul_add(-p.y, q.x, product);
+    // Add it to the difference of products.
     mul_add(p.x, q.y, -product) + lost
 }
 
 /// [`difference`] in eight lanes.
 #[inline(always)]
 fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
+    // Round one product and recover its rounding error.
     let product = p.y * q.x;
     let lost = mul_add8(-p.y, q.x, product);
+    // Add it to the difference of products.
     mul_add8(p.x, q.y, -product) + lost
 }
 
@@ -87,9 +92,14 @@ impl Intersect<f32> for WoopDop<f32> {
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let Self { vertices } = self;
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
+
+        // Compute the weights with exact signs.
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
+
+        // Compare the signs, compute t and test its range.
         sheared.hit(sign_agreement(weights) >= 0.0, weights, ray, setup)
     }
 }
@@ -106,9 +116,14 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
         let WoopDop { vertices } = self.widen();
 
+        // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
+
+        // Compute the weights with exact signs.
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
+
+        // Compare the signs, compute t and test its range.
         sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, ray, setup)
     }
 }
