@@ -21,7 +21,7 @@ use super::loaded::{LoadedScene, has_extension, remarks};
 use crate::geom::{Aabb, InvalidTransform, Transform2, Transform3};
 use crate::tracer::error::{Error, quoted};
 use crate::tracer::image::{Light, View};
-use crate::tracer::meshes::generator::{DEFAULT_SIZE, Generator, MOST};
+use crate::tracer::meshes::generator::{DEFAULT_SIZE, Generator, MAX_SIZE};
 use crate::tracer::meshes::load_obj;
 use crate::tracer::scene::{Checker, Geometry, Paint, Placement, World, can_be_hit, is_singular};
 
@@ -233,9 +233,9 @@ impl<'a> Assembly<'a> {
         let Some(count) = scatter.count.as_ref().map(|count| count.get_ref().0).or(self.size) else {
             return Err(fault(span, "missing field `count`").into());
         };
-        if self.placements.len() + count as usize > MOST as usize {
+        if self.placements.len() + count as usize > MAX_SIZE as usize {
             let span = scatter.count.as_ref().map_or(span, Spanned::span);
-            return Err(fault(span, format!("more than {MOST} instances")).into());
+            return Err(fault(span, format!("more than {MAX_SIZE} instances")).into());
         }
         let ground = match &scatter.on {
             None => None,

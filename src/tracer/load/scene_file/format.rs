@@ -10,7 +10,7 @@ use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use toml::Spanned;
 
 use crate::geom::{Aabb, Axis, Quadric, Transform2, Transform3};
-use crate::tracer::meshes::generator::MOST;
+use crate::tracer::meshes::generator::MAX_SIZE;
 
 /// A file.
 #[derive(Deserialize)]
@@ -320,7 +320,7 @@ numbers! {
         (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0
     };
     Count(u32), "a whole number from 1 to 10000000", |number| {
-        (1.0..=f64::from(MOST)).contains(&number) && number.fract() == 0.0
+        (1.0..=f64::from(MAX_SIZE)).contains(&number) && number.fract() == 0.0
     };
 }
 
