@@ -7,3 +7,8 @@ pub(crate) fn hash(a: u32, b: u32, c: u32) -> u32 {
     hash = (hash ^ (hash >> 13)).wrapping_mul(0xc2b2_ae35);
     hash ^ (hash >> 16)
 }
+
+/// Maps 32 bits to a number from 0 to 1, excluding 1. Uses the upper 24 bits.
+pub(crate) fn unit_interval(bits: u32) -> f32 {
+    (bits >> 8) as f32 / (1 << 24) as f32
+}

@@ -11,7 +11,7 @@ mod square;
 mod terrain;
 mod tree;
 
-pub(crate) use hash::hash;
+pub(crate) use hash::{hash, unit_interval};
 
 use super::mesh::Mesh;
 
