@@ -295,7 +295,10 @@ fn errors_name_line_and_key() {
             "[[instances]]",
             "10: instances: unknown field `instances`, expected one of `camera`, `light`, `mesh`, `quadric`, `instance`, `scatter`",
         ),
-        ("[[mesh]]\nname = 'ball'\nfile = 'corner.obj'\n", "5: quadric.name: another one has this name: \"ball\""),
+        (
+            "[[mesh]]\nname = 'ball'\nfile = 'corner.obj'\n",
+            "5: quadric.name: another mesh or quadric has this name: \"ball\"",
+        ),
         ("[[mesh]]\nname = 'm'", "10: mesh: a mesh needs either file or generator"),
         (
             "[[mesh]]\nname = 'm'\nfile = 'corner.obj'\ngenerator = 'room'",
@@ -346,7 +349,7 @@ fn errors_name_line_and_key() {
         ),
         (
             "[[quadric]]\nname = 'q'\nhyperboloid_of_two_sheets = { semi_axes = [1, 1, 2], half_height = 1.5 }",
-            "10: quadric: nothing is left of two sheets that begin beyond half_height, at the third semi-axis",
+            "10: quadric: half_height must be greater than the third semi-axis, where the two sheets begin",
         ),
         (
             "[[quadric]]\nname = 'q'\ncoefficients = [0, 0, 0, 0, 0, 0, 0, 0, 0, 1]\nclip = { lo = [0, 0, 0], hi = [1, 1, 1] }",
@@ -398,11 +401,11 @@ fn errors_name_line_and_key() {
         ),
         (
             "[[scatter]]\nof = 'ball'\ncount = 1\non = 'm'\n[[mesh]]\nname = 'm'\nfile = 'corner.obj'",
-            "13: scatter.on: has no instance to stand on: \"m\"",
+            "13: scatter.on: there is no instance of this to stand on: \"m\"",
         ),
         (
             "[[scatter]]\nof = 'ball'\ncount = 1\non = 'ball'\narea = { lo = [9, 9], hi = [10, 10] }",
-            "10: scatter: hardly any ground in the area",
+            "10: scatter: found no ground at 64 random places in the area",
         ),
         (
             "[[scatter]]\nof = 'ball'\ncount = 1\narea = { lo = [0, 1], hi = [1, 0] }",

@@ -4,21 +4,24 @@ use glam::{Affine3, Vec3};
 
 use crate::geom::Ray;
 
-/// A pinhole camera. Rays start at the eye, `0 <= t`, and are not normalised: at `t = 1` they cross the image plane.
+/// A pinhole camera. Its rays start at the eye with `t_min = 0`. They are not normalised: at `t = 1` a ray crosses the
+/// image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: Vec3,
-    /// To the middle of the image.
+    /// From the eye to the middle of the image.
     forward: Vec3,
-    /// Half the image's width.
+    /// From the middle of the image to its right edge.
     right: Vec3,
-    /// Half the image's height.
+    /// From the middle of the image to its upper edge.
     up: Vec3,
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `look_at`, with y pointing up in the picture (z where it looks along y), the given
-    /// vertical field of view in degrees, and the aspect ratio of a `width` × `height` picture.
+    /// A camera at `eye` that looks at `look_at`. In the picture, y points up; if the camera looks along y, z does.
+    ///
+    /// `vertical_fov` is the vertical field of view in degrees. `width` and `height` give the aspect ratio. If `eye`
+    /// and `look_at` are equal, the camera looks along -z.
     pub fn new(eye: Vec3, look_at: Vec3, vertical_fov: f32, width: u32, height: u32) -> Self {
         let forward = (look_at - eye).normalize_or(Vec3::NEG_Z);
         let world_up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
@@ -28,8 +31,8 @@ impl Camera {
         Self { eye, forward, right: right * (half_height * width as f32 / height as f32), up: up * half_height }
     }
 
-    /// This camera put elsewhere: the eye as a point, its three directions as vectors. A transform that is no rigid motion
-    /// distorts the picture accordingly.
+    /// The camera after an affine transform. The eye is transformed as a point, the directions as vectors. A transform
+    /// that is not a rigid motion distorts the picture.
     #[must_use]
     pub fn transformed(&self, transform: &Affine3) -> Self {
         Self {
@@ -42,22 +45,24 @@ impl Camera {
 
     /// One ray through the middle of each pixel of a `width` × `height` picture, in [`block_order`].
     pub fn rays(&self, width: u32, height: u32) -> Vec<Ray<f32>> {
-        let place = |index: u32, count: u32| (index as f32 + 0.5) * (2.0 / count as f32) - 1.0;
+        let offset = |index: u32, count: u32| (index as f32 + 0.5) * (2.0 / count as f32) - 1.0;
         block_order(width, height)
             .into_iter()
             .map(|pixel| {
-                let (x, y) = (place(pixel % width, width), place(pixel / width, height));
+                let (x, y) = (offset(pixel % width, width), offset(pixel / width, height));
                 Ray::new(self.eye, self.forward + self.right * x - self.up * y)
             })
             .collect()
     }
 }
 
-/// The pixels of a picture, as indices `y·width + x` from the upper left, in blocks of 4 × 2, so that eight consecutive
-/// rays see about the same, those in blocks of 8 × 8, and those in tiles of 32 × 32.
+/// The order in which the pixels of a picture are traced, as indices `y·width + x` from the upper left.
+///
+/// Pixels come in blocks of 4 × 2, these in blocks of 8 × 8, and these in tiles of 32 × 32. So eight consecutive rays
+/// see nearly the same.
 pub fn block_order(width: u32, height: u32) -> Vec<u32> {
     let mut order = Vec::with_capacity(width as usize * height as usize);
-    // At a ragged edge blocks are cut off; the packets there are filled up by the next block.
+    // At the right and lower edges blocks are cut off. Packets there are filled with rays of the next block.
     for_blocks((0, width), (0, height), (32, 32), &mut |tile_x, tile_y| {
         for_blocks(tile_x, tile_y, (8, 8), &mut |block_x, block_y| {
             for_blocks(block_x, block_y, (4, 2), &mut |xs, ys| {
@@ -70,7 +75,7 @@ pub fn block_order(width: u32, height: u32) -> Vec<u32> {
     order
 }
 
-/// Calls `visit` with the ranges of each block of the given size, row by row, the last ones cut off.
+/// Calls `visit` with the x and y range of each block of the given size, row by row. Blocks at the end are cut off.
 fn for_blocks(xs: (u32, u32), ys: (u32, u32), size: (u32, u32), visit: &mut dyn FnMut((u32, u32), (u32, u32))) {
     for y in (ys.0..ys.1).step_by(size.1 as usize) {
         for x in (xs.0..xs.1).step_by(size.0 as usize) {

@@ -1,11 +1,20 @@
-//! Pictures of a scene: camera, light, shading, comparison of two pictures.
+//! Pictures of a scene: camera, light, shading, comparison of two kernels.
 
 mod camera;
+mod compare;
 mod picture;
+mod secondary;
+mod shade;
+mod shot;
 mod view;
 
 pub use camera::{Camera, block_order};
-pub use picture::{Differences, OCCLUSION_RAYS, Picture, Shade, Shot, compare, picture_hits, shade};
+pub use compare::{Differences, compare};
+pub use picture::Picture;
 #[cfg(feature = "study")]
-pub(crate) use picture::{OCCLUSION_REACH, hemisphere_rays, shadow_rays};
+pub(crate) use secondary::{hemisphere_rays, shadow_rays};
+#[cfg(feature = "study")]
+pub(crate) use shade::OCCLUSION_REACH;
+pub use shade::{OCCLUSION_RAYS, Shade, shade};
+pub use shot::{Shot, picture_hits};
 pub use view::{Light, View, parse_point};

@@ -1,37 +1,37 @@
-//! From where a scene is seen, and what shines on it.
+//! How a scene is seen: the camera's position and direction, and the light.
 
 use glam::{Affine3, Vec3};
 
 use super::camera::Camera;
 use crate::geom::Aabb;
 
-/// A camera for pictures of any size, and a light.
+/// A camera for pictures of any size and aspect ratio, and a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Where the camera is.
+    /// Position of the camera.
     pub eye: Vec3,
-    /// The point in the middle of the picture.
+    /// The point that appears in the middle of the picture.
     pub look_at: Vec3,
     /// Vertical field of view in degrees.
     pub vertical_fov: f32,
-    /// What is applied to the camera that these describe, if anything.
+    /// A transform that is applied to the camera, if any; see [`Camera::transformed`].
     pub transform: Option<Affine3>,
     /// The light.
     pub light: Light,
 }
 
-/// What shines.
+/// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// From a point, in all directions.
+    /// A point light at this position.
     Point(Vec3),
-    /// From infinitely far; the vector points towards the light and may have any length.
+    /// A light at infinity. The vector points towards it and may have any length.
     Directional(Vec3),
 }
 
 impl View {
-    /// From outside a box, with all of it in view, from the front, the right and above; the light is high above behind the
-    /// camera.
+    /// A view of a whole box from outside: from the front, the right and above. The light is directional and comes from
+    /// high above, behind the camera.
     pub fn around(bounds: &Aabb) -> Self {
         const VERTICAL_FOV: f32 = 40.0;
         let radius = bounds.extent().length() * 0.5;
@@ -48,10 +48,10 @@ impl View {
     }
 }
 
-/// Understands a point or vector as it is given on a command line: `1,2.5,-3`.
+/// Parses a point or vector as written on a command line: `1,2.5,-3`.
 ///
 /// # Errors
-/// Says what was expected instead.
+/// If the text is not three finite numbers, separated by commas.
 pub fn parse_point(text: &str) -> Result<Vec3, String> {
     let numbers: Vec<f32> =
         text.split(',').filter_map(|number| number.trim().parse().ok()).filter(|x: &f32| x.is_finite()).collect();

@@ -1,5 +1,4 @@
-//! Scenes that come with the crate: scene files like any other, so that they need no more code than a user's, and show how
-//! it is done.
+//! Built-in scenes. They are ordinary scene files, so they need no code of their own, and they serve as examples.
 
 use std::path::Path;
 
@@ -8,31 +7,32 @@ use super::scene_file;
 use crate::tracer::error::Error;
 use crate::tracer::meshes::generator::{DEFAULT_SIZE, parse_size};
 
-/// A built-in scene of a chosen size.
+/// A built-in scene and its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// Which of [`SCENES`].
+    /// Index into [`SCENES`].
     number: usize,
     size: u32,
 }
 
-struct Scene {
+struct Entry {
     name: &'static str,
+    /// The scene file.
     text: &'static str,
-    /// What its size counts.
+    /// The things that the size counts. `None`: the scene has no size.
     unit: Option<&'static str>,
 }
 
-const SCENES: [Scene; 5] = [
-    Scene { name: "room", text: include_str!("builtin/room.toml"), unit: Some("triangles") },
-    Scene { name: "terrain", text: include_str!("builtin/terrain.toml"), unit: Some("triangles") },
-    Scene { name: "sphere", text: include_str!("builtin/sphere.toml"), unit: Some("triangles") },
-    Scene { name: "forest", text: include_str!("builtin/forest.toml"), unit: Some("trees") },
-    Scene { name: "gallery", text: include_str!("builtin/gallery.toml"), unit: None },
+const SCENES: [Entry; 5] = [
+    Entry { name: "room", text: include_str!("builtin/room.toml"), unit: Some("triangles") },
+    Entry { name: "terrain", text: include_str!("builtin/terrain.toml"), unit: Some("triangles") },
+    Entry { name: "sphere", text: include_str!("builtin/sphere.toml"), unit: Some("triangles") },
+    Entry { name: "forest", text: include_str!("builtin/forest.toml"), unit: Some("trees") },
+    Entry { name: "gallery", text: include_str!("builtin/gallery.toml"), unit: None },
 ];
 
 impl BuiltIn {
-    /// The names, for help texts. A size may follow all but the last; see [`BuiltIn::parse`].
+    /// The names. All but the last may be followed by a size; see [`BuiltIn::parse`].
     pub const NAMES: [&str; SCENES.len()] = {
         let mut names = [""; SCENES.len()];
         let mut number = 0;
@@ -43,14 +43,15 @@ impl BuiltIn {
         names
     };
 
-    /// Understands `NAME` and `NAME:SIZE`, or returns `None` if this is no name of a built-in scene. The size is
-    /// `small` (10,000), `medium` (100,000; this is the default), `large` (1,000,000) or a number from 1,000 to
-    /// 10,000,000, also written `1e6` or `1_000_000`. It counts the trees of the forest, and the triangles of `room`,
-    /// `terrain` and `sphere`, which have as many as asked for, or the next number they can be made of. The gallery, of
-    /// quadrics, has no size.
+    /// Parses `NAME` or `NAME:SIZE`. Returns `None` if the name is not that of a built-in scene.
+    ///
+    /// The size is `small` (10,000), `medium` (100,000, the default), `large` (1,000,000), or a whole number from 1,000
+    /// to 10,000,000. Forms like `1e6` and `1_000_000` are numbers too. The size of `room`, `terrain` and `sphere` is
+    /// the number of triangles; the scene has that many or the next larger number that its shape allows. The size of
+    /// `forest` is the number of trees. `gallery` consists of quadrics and has no size.
     ///
     /// # Errors
-    /// If the size is none of these.
+    /// If the size is not valid, or if the scene has no size.
     pub fn parse(argument: &str) -> Option<Result<Self, Error>> {
         let (name, size) = match argument.split_once(':') {
             Some((name, size)) => (name, Some(size)),
@@ -68,13 +69,13 @@ impl BuiltIn {
         )
     }
 
-    /// The scene file, in which generators and scatters without a size of their own take the size that was asked for.
+    /// The scene file. In it, generators and scatters without a size of their own get the size of this value.
     pub fn text(&self) -> &'static str {
         SCENES[self.number].text
     }
 
     pub(crate) fn load(&self) -> Result<LoadedScene, Error> {
-        let Scene { name, text, .. } = SCENES[self.number];
+        let Entry { name, text, .. } = SCENES[self.number];
         scene_file::from_text(Path::new(&format!("{name}.toml")), text, Some(self.size))
     }
 }

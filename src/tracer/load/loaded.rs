@@ -1,4 +1,4 @@
-//! A loaded scene, and the remarks that loading left.
+//! A loaded scene, and remarks about what was left out.
 
 use std::path::Path;
 
@@ -6,23 +6,24 @@ use crate::tracer::image::View;
 use crate::tracer::meshes::ObjReport;
 use crate::tracer::scene::World;
 
-/// All there is to know of a scene.
+/// What loading a scene gives.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// What rays hit.
+    /// The geometries and their instances.
     pub world: World,
-    /// The scene's own camera and light, or [`View::around`] it.
+    /// Camera and light of the scene file. What the file does not give comes from [`View::around`].
     pub view: View,
-    /// One line each: whatever in the files did not become part of the world, or cannot be hit.
+    /// One line each: parts of the files that are not in the world, or that no ray can hit.
     pub remarks: Vec<String>,
 }
 
-/// Whether a file's name ends like this, in letters of any case.
+/// Whether a file has this extension, in upper or lower case.
 pub(crate) fn has_extension(path: &Path, expected: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(expected))
 }
 
-pub(crate) fn remarks(report: ObjReport) -> Vec<String> {
+/// The remarks about an OBJ file.
+pub(crate) fn obj_remarks(report: ObjReport) -> Vec<String> {
     let mut remarks = Vec::new();
     if report.degenerate > 0 {
         remarks.push(format!("triangles of zero area, which no ray hits: {}", report.degenerate));

@@ -1,4 +1,4 @@
-//! Where scenes come from: OBJ files, scene files in TOML, and the built-in scenes.
+//! Loading scenes: OBJ files, scene files in TOML, and built-in scenes.
 
 mod builtin;
 mod loaded;

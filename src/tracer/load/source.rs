@@ -1,22 +1,22 @@
-//! Where a scene comes from: a built-in name or a file.
+//! The source of a scene: a built-in name or a file.
 
 use std::path::{Path, PathBuf};
 
 use super::builtin::BuiltIn;
-use super::loaded::{LoadedScene, has_extension, remarks};
+use super::loaded::{LoadedScene, has_extension, obj_remarks};
 use super::scene_file::load_scene;
 use crate::tracer::error::Error;
 use crate::tracer::image::View;
 use crate::tracer::meshes::load_obj;
 
-/// A scene that has been named but not yet loaded.
+/// A scene to load.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
-    /// In this crate.
+    /// A built-in scene.
     BuiltIn {
-        /// As it was named.
+        /// The name as it was given, with its size.
         name: String,
-        /// What to make.
+        /// The scene and its size.
         scene: BuiltIn,
     },
     /// An OBJ file.
@@ -26,11 +26,10 @@ pub enum SceneSource {
 }
 
 impl SceneSource {
-    /// Understands a built-in name, with or without a size, and the path of an OBJ file or a scene file. A file is not yet
-    /// looked at.
+    /// Parses a built-in name, with or without a size, or the path of an OBJ or scene file. Does not open the file.
     ///
     /// # Errors
-    /// If the name is none of these, or the size is not one that the built-in scene comes in.
+    /// If the argument is none of these, or if a size is not valid for the built-in scene.
     pub fn parse(argument: &str) -> Result<Self, Error> {
         if let Some(scene) = BuiltIn::parse(argument) {
             return Ok(Self::BuiltIn { name: argument.into(), scene: scene? });
@@ -51,7 +50,7 @@ impl SceneSource {
         })
     }
 
-    /// The built-in name, or the file's name without its folder.
+    /// The built-in name with its size, or the file's name without its folder.
     pub fn name(&self) -> String {
         match self {
             Self::BuiltIn { name, .. } => name.clone(),
@@ -61,17 +60,17 @@ impl SceneSource {
         }
     }
 
-    /// Makes the scene, or reads its files.
+    /// Makes the built-in scene or reads the files.
     ///
     /// # Errors
-    /// If a file cannot be read or makes no sense.
+    /// If a file cannot be read or is not valid.
     pub fn load(&self) -> Result<LoadedScene, Error> {
         match self {
             Self::BuiltIn { scene, .. } => scene.load(),
             Self::Obj(path) => {
                 let (mesh, report) = load_obj(path)?;
                 let view = View::around(&mesh.bounds());
-                Ok(LoadedScene { world: mesh.into(), view, remarks: remarks(report) })
+                Ok(LoadedScene { world: mesh.into(), view, remarks: obj_remarks(report) })
             }
             Self::Toml(path) => load_scene(path),
         }

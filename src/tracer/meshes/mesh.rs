@@ -1,10 +1,10 @@
-//! Triangle meshes: shared vertices, a colour per range of triangles.
+//! A triangle mesh: shared vertices, and one colour per range of triangles.
 
 use glam::Vec3;
 
 use crate::geom::{Aabb, Triangle};
 
-/// Triangles over shared vertices. Every mesh is valid: see [`Mesh::new`].
+/// Triangles that share vertices. Every mesh is valid: [`Mesh::new`] lists the conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     positions: Vec<Vec3>,
@@ -12,44 +12,51 @@ pub struct Mesh {
     parts: Vec<Part>,
 }
 
-/// A run of triangles of one colour: from its first triangle to the next part's first.
+/// A range of triangles of one colour. It ends before the first triangle of the next part, or with the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Where the run begins.
+    /// Number of its first triangle.
     pub first_triangle: u32,
     /// Diffuse colour: linear red, green and blue from 0 to 1.
     pub color: Vec3,
 }
 
-/// Why vertices and triangles make no [`Mesh`].
+/// Why [`Mesh::new`] refuses its arguments. Triangles, vertices and parts are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
-    /// There is nothing to hit.
+    /// There are no triangles.
     #[error("no triangles")]
     NoTriangles,
-    /// The primitive number `u32::MAX` means a miss, and counts must fit beside it.
+    /// There are more than [`Mesh::MAX_TRIANGLES`] triangles.
     #[error("{0} triangles, but at most {max} are possible", max = Mesh::MAX_TRIANGLES)]
     TooManyTriangles(usize),
-    /// A triangle refers to a vertex that is not there.
+    /// A triangle refers to a vertex that does not exist.
     #[error("triangle {0} refers to a vertex that does not exist")]
     MissingVertex(usize),
     /// A coordinate is NaN or infinite.
     #[error("vertex {0} is not finite")]
     NotFinite(usize),
-    /// Parts must begin at triangle 0, ascend, hold a triangle each, and have colours from 0 to 1.
-    #[error("part {0} is empty, out of order, or has an impossible colour")]
+    /// The first part must begin at triangle 0. Each part must begin after the one before and hold at least one
+    /// triangle. Colours must be from 0 to 1.
+    #[error("part {0} is empty, out of order, or has a colour outside 0 to 1")]
     BadPart(usize),
 }
 
 impl Mesh {
-    /// The most triangles a mesh can have.
+    /// The largest number of triangles in a mesh. The primitive number `u32::MAX` is reserved: it means a miss.
     pub const MAX_TRIANGLES: usize = u32::MAX as usize - 1;
 
-    /// A mesh, if its indices and parts are in range, its coordinates finite and its triangles neither none nor too
-    /// many. Triangles without area are allowed, and never hit; see [`Mesh::degenerate_triangles`].
+    /// Makes a mesh. Conditions:
+    ///
+    /// - there is at least one triangle, and at most [`Mesh::MAX_TRIANGLES`];
+    /// - every index refers to a vertex;
+    /// - every coordinate is finite;
+    /// - parts begin at triangle 0, ascend, hold at least one triangle each, and have colours from 0 to 1.
+    ///
+    /// Triangles of zero area are allowed, and no ray hits them; see [`Mesh::degenerate_triangles`].
     ///
     /// # Errors
-    /// Says which of these is not so, and where.
+    /// The first condition that does not hold, with the number of the triangle, vertex or part.
     pub fn new(
         mut positions: Vec<Vec3>,
         mut triangles: Vec<[u32; 3]>,
@@ -71,7 +78,7 @@ impl Mesh {
         if let Some(bad) = first_bad_part(&parts, triangles.len()) {
             return Err(MeshError::BadPart(bad));
         }
-        // Vectors that were grown have up to twice the room, and a mesh stays.
+        // A vector that grew may have twice the capacity that it needs, and a mesh lives long.
         positions.shrink_to_fit();
         triangles.shrink_to_fit();
         parts.shrink_to_fit();
@@ -83,24 +90,24 @@ impl Mesh {
         &self.positions
     }
 
-    /// Three vertex numbers per triangle.
+    /// The three vertex numbers of each triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The colours, in the order of the triangles.
+    /// The colours, in order of first triangle.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// How many triangles there are.
+    /// Number of triangles.
     #[inline]
     #[expect(clippy::len_without_is_empty, reason = "a mesh is never empty")]
     pub fn len(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Triangle number `primitive`.
+    /// The triangle with this number.
     ///
     /// # Panics
     /// If there is no such triangle.
@@ -120,24 +127,24 @@ impl Mesh {
         self.triangles.iter().map(|&indices| self.with_vertices(indices))
     }
 
-    /// Colour of triangle number `primitive`.
+    /// The colour of the triangle with this number; beyond the last triangle, that of the last part.
     pub fn color(&self, primitive: u32) -> Vec3 {
-        // Never 0, since the first part begins at triangle 0.
+        // At least 1, because the first part begins at triangle 0.
         let after = self.parts.partition_point(|part| part.first_triangle <= primitive);
         self.parts[after - 1].color
     }
 
-    /// The smallest box around all triangles. Vertices that none of them uses do not count.
+    /// The smallest box around all triangles. Vertices that no triangle uses do not count.
     pub fn bounds(&self) -> Aabb {
         self.iter().fold(Aabb::EMPTY, |bounds, triangle| bounds.union(&triangle.bounds()))
     }
 
-    /// How many triangles have exactly no area: a repeated vertex, or three in a line.
+    /// Number of triangles of exactly zero area: two equal vertices, or three on a line.
     pub fn degenerate_triangles(&self) -> usize {
-        self.iter().filter(has_no_area).count()
+        self.iter().filter(has_zero_area).count()
     }
 
-    /// Memory that the geometry takes.
+    /// Bytes of vertices, indices and parts.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.positions) + size_of_val(&*self.triangles) + size_of_val(&*self.parts)
     }
@@ -158,9 +165,9 @@ fn first_bad_part(parts: &[Part], triangles: usize) -> Option<usize> {
     })
 }
 
-/// Whether `(v1 - v0) × (v2 - v0)` is zero, decided exactly. Written out, each of its components is a sum of six
-/// products of two coordinates, and `f64` holds such a product without rounding.
-fn has_no_area(triangle: &Triangle) -> bool {
+/// Decides exactly whether `(v1 - v0) × (v2 - v0)` is zero. Expanded, each component of the cross product is a sum of
+/// six products of two coordinates. `f64` holds such a product without rounding.
+fn has_zero_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.vertices().map(|vertex| vertex.to_array().map(f64::from));
     [(1, 2), (2, 0), (0, 1)].into_iter().all(|(y, z)| {
         let cross = |p: [f64; 3], q: [f64; 3]| [p[y] * q[z], -(p[z] * q[y])];
@@ -169,9 +176,11 @@ fn has_no_area(triangle: &Triangle) -> bool {
     })
 }
 
-/// Whether the exact sum of the terms is zero, by Shewchuk's growing expansion (Adaptive Precision Floating-Point
-/// Arithmetic and Fast Robust Geometric Predicates, 1997, theorem 10): the parts always add up to the exact sum and
-/// never overlap, so the sum is zero only when all of them are. Products of `f32` neither overflow nor vanish here.
+/// Whether the exact sum of the terms is zero. The terms are products of two `f32`, so nothing overflows or underflows.
+///
+/// The method is Shewchuk's growing expansion (Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+/// Predicates, 1997, theorem 10). The parts always add up to the exact sum and never overlap. So the sum is zero only
+/// if all parts are zero.
 fn sums_to_zero(terms: [f64; 6]) -> bool {
     let mut parts = [0.0; 6];
     for (count, term) in terms.into_iter().enumerate() {
@@ -184,7 +193,7 @@ fn sums_to_zero(terms: [f64; 6]) -> bool {
     parts == [0.0; 6]
 }
 
-/// The rounded sum and its exact error.
+/// Returns the rounded sum and its rounding error, which is exact (Knuth's two-sum).
 pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
@@ -203,9 +212,9 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_answers_by_primitive() {
+    fn a_mesh_gives_triangle_and_colour_by_number() {
         let (mut positions, triangles) = square();
-        positions.push(Vec3::splat(9.0)); // used by no triangle
+        positions.push(Vec3::splat(9.0)); // no triangle uses it
         let red = Part { first_triangle: 1, color: Vec3::X };
         let mesh = Mesh::new(positions, triangles, vec![GREY, red]).unwrap();
         assert_eq!(mesh.len(), 2);
@@ -230,15 +239,15 @@ mod tests {
             assert_eq!(error(&positions, &triangles, &[GREY]), Some(MeshError::NotFinite(3)));
         }
         let from = |first_triangle| Part { first_triangle, ..GREY };
-        let of = |component| Part { color: Vec3::new(0.0, component, 0.0), ..GREY };
+        let green = |component| Part { color: Vec3::new(0.0, component, 0.0), ..GREY };
         for (parts, bad) in [
             (vec![], 0),
             (vec![from(1)], 0),
             (vec![GREY, GREY], 1),
             (vec![GREY, from(2)], 1),
-            (vec![of(f32::NAN)], 0),
-            (vec![of(-0.1)], 0),
-            (vec![of(1.5)], 0),
+            (vec![green(f32::NAN)], 0),
+            (vec![green(-0.1)], 0),
+            (vec![green(1.5)], 0),
         ] {
             assert_eq!(error(&positions, &triangles, &parts), Some(MeshError::BadPart(bad)), "{parts:?}");
         }
@@ -247,23 +256,23 @@ mod tests {
     #[test]
     fn zero_area_is_decided_exactly() {
         let thin = |x: f32| Triangle { v0: Vec3::ZERO, v1: Vec3::ONE, v2: Vec3::new(x, 3.0, 3.0) };
-        assert!(has_no_area(&thin(3.0)));
-        assert!(!has_no_area(&thin(3.0f32.next_up())));
-        // A vertex too small to survive beside the others in any fixed precision.
+        assert!(has_zero_area(&thin(3.0)));
+        assert!(!has_zero_area(&thin(3.0f32.next_up())));
+        // One vertex is so small that any fixed precision loses it beside the others.
         let far = Triangle { v0: Vec3::splat(1e-40), v1: Vec3::new(1e30, 0.0, 0.0), v2: Vec3::new(-1e30, 0.0, 0.0) };
-        assert!(!has_no_area(&far));
-        assert!(has_no_area(&Triangle { v0: Vec3::new(1e-40, 0.0, 0.0), ..far }));
-        assert!(has_no_area(&Triangle { v2: far.v1, ..far }));
-        // Rounded once, the terms of two vertices this far apart cancel and hide that of the third.
+        assert!(!has_zero_area(&far));
+        assert!(has_zero_area(&Triangle { v0: Vec3::new(1e-40, 0.0, 0.0), ..far }));
+        assert!(has_zero_area(&Triangle { v2: far.v1, ..far }));
+        // After one rounding, the large terms of the two far vertices cancel and hide the term of the small one.
         let [near, twice] = [1e20, 2e20].map(|x| Vec3::new(x, x, 0.0));
-        assert!(!has_no_area(&Triangle { v0: near, v1: Vec3::X * 1e-20, v2: twice }));
-        // Three steps along a line that needs every digit.
+        assert!(!has_zero_area(&Triangle { v0: near, v1: Vec3::X * 1e-20, v2: twice }));
+        // Three points on a line whose coordinates need every digit.
         let (start, step) =
             (Vec3::new(1_048_577.0, 1.0, 1.0 / 1_048_576.0), Vec3::new(1_048_576.0, 1.0 / 1_048_576.0, 1.0));
-        assert!(has_no_area(&Triangle { v0: start, v1: start + step, v2: start + step * 2.0 }));
-        // Smaller than any product of f32 coordinates.
+        assert!(has_zero_area(&Triangle { v0: start, v1: start + step, v2: start + step * 2.0 }));
+        // The products of these coordinates are below the range of f32.
         let tiny = Triangle { v0: Vec3::ZERO, v1: Vec3::X * 1e-45, v2: Vec3::Y * 1e-45 };
-        assert!(!has_no_area(&tiny));
+        assert!(!has_zero_area(&tiny));
         let (positions, mut triangles) = square();
         triangles.push([0, 0, 1]);
         assert_eq!(Mesh::new(positions, triangles, vec![GREY]).unwrap().degenerate_triangles(), 1);

@@ -1,4 +1,4 @@
-//! Triangle meshes: the data, OBJ files, and generators that make meshes by code.
+//! Triangle meshes: the data, OBJ files, and generated meshes.
 
 pub(crate) mod generator;
 mod mesh;

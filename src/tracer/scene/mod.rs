@@ -10,5 +10,5 @@ mod world_box;
 pub use surface::SurfacePoint;
 pub(crate) use traverse::Scratch;
 pub use two_level::Scene;
+pub(crate) use world::is_singular;
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};
-pub(crate) use world::{can_be_hit, is_singular};

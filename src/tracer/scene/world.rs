@@ -1,4 +1,4 @@
-//! What a scene consists of, before any kernel prepares it: geometries, and instances of them.
+//! A world: geometries and their instances, before any kernel prepares them.
 
 use glam::{Affine2, Affine3, Vec2, Vec3};
 
@@ -6,17 +6,17 @@ use crate::geom::{Aabb, Quadric};
 use crate::kernels::instance::Instance;
 use crate::tracer::meshes::Mesh;
 
-/// Something that instances are made of, in its own coordinates.
+/// A shape in its own coordinates. Instances place it in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
-    /// Triangles.
+    /// A triangle mesh.
     Mesh(Mesh),
-    /// One surface of second degree.
+    /// One quadric.
     Quadric(Quadric),
 }
 
 impl Geometry {
-    /// How many primitives there are.
+    /// Number of primitives: the triangles of a mesh, or 1 for a quadric.
     pub fn primitives(&self) -> usize {
         match self {
             Self::Mesh(mesh) => mesh.len(),
@@ -24,97 +24,113 @@ impl Geometry {
         }
     }
 
-    /// A box around them.
+    /// A box around all primitives, in object coordinates.
     pub fn bounds(&self) -> Aabb {
         match self {
             Self::Mesh(mesh) => mesh.bounds(),
             Self::Quadric(quadric) => quadric.bounds(),
         }
     }
+
+    /// Whether [`World::new`] accepts the geometry. Every mesh is valid; for quadrics see [`WorldError::BadQuadric`].
+    pub(crate) fn is_valid(&self) -> bool {
+        let Self::Quadric(quadric) = self else { return true };
+        let Aabb { lo, hi } = quadric.bounds();
+        let varies = (quadric.squares, quadric.products, quadric.linear) != (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        varies && lo.is_finite() && hi.is_finite()
+    }
 }
 
-/// A geometry put into the world.
+/// An instance: a geometry, its transform, and its colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Number of the geometry.
     pub geometry: u32,
-    /// From the geometry's coordinates to the world's.
+    /// From the geometry's coordinates to the world's. It must have an inverse.
     pub object_to_world: Affine3,
-    /// What it looks like.
+    /// The colours.
     pub paint: Paint,
 }
 
-/// What an instance looks like.
+/// The colours of an instance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
-    /// The mesh's own colours; a quadric is white.
+    /// The colours of the mesh. A quadric is white.
     Own,
     /// One colour: linear red, green and blue from 0 to 1.
     Plain(Vec3),
-    /// Two colours in a pattern of unit squares, over (u, v).
+    /// Two colours in a checker pattern over (u, v).
     Checker(Checker),
 }
 
-/// A pattern of unit squares. The surface's (u, v) are transformed first, which scales, turns, shears and moves the
-/// pattern.
+/// A checker pattern of unit squares over the surface's (u, v). A transform of (u, v) scales, rotates, shears and moves
+/// the pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checker {
-    /// Linear red, green and blue from 0 to 1.
+    /// Both colours: linear red, green and blue from 0 to 1.
     pub colors: [Vec3; 2],
-    /// From the surface's (u, v) to squares.
+    /// From the surface's (u, v) to unit squares.
     pub uv_to_squares: Affine2,
 }
 
 impl Checker {
-    /// The colour at (u, v).
+    /// The colour at (u, v). The first colour is that of the unit square from (0, 0) to (1, 1), after the transform.
     pub fn at(&self, uv: Vec2) -> Vec3 {
         let square = self.uv_to_squares.transform_point2(uv).floor();
         self.colors[usize::from((square.x + square.y).rem_euclid(2.0) != 0.0)]
     }
 }
 
-/// Geometries and instances of them, all valid: see [`World::new`].
+/// Geometries and their instances. Every world is valid: [`World::new`] lists the conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
     geometries: Vec<Geometry>,
     instances: Vec<Placement>,
 }
 
-/// Why geometries and instances make no [`World`].
+/// Why [`World::new`] refuses its arguments. Geometries and instances are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
-    /// There is nothing to hit.
+    /// There are no instances.
     #[error("no instances")]
     NoInstances,
-    /// The number `u32::MAX` means a miss, and counts must fit beside it.
+    /// There are more primitives or instances than [`Mesh::MAX_TRIANGLES`]. The number `u32::MAX` is reserved: it means
+    /// a miss.
     #[error("too many {what}: {count}, but at most {max} are possible", max = Mesh::MAX_TRIANGLES)]
     TooMany {
-        /// Primitives, of all geometries together, or instances.
+        /// `primitives` (of all geometries together) or `instances`.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
-    /// An instance refers to a geometry that is not there.
+    /// An instance refers to a geometry that does not exist.
     #[error("instance {0} refers to a geometry that does not exist")]
     MissingGeometry(usize),
-    /// A quadric needs finite coefficients, of which one but the constant is not zero, and a finite box that is not empty.
+    /// A quadric needs finite coefficients, and at least one besides the constant must not be zero. Its clip box must
+    /// be finite and not empty.
     #[error(
-        "geometry {0} is a quadric that no ray hits: its coefficients are not finite or all zero, or its box is empty or infinite"
+        "geometry {0} is a quadric that no ray hits: its coefficients are not finite or all zero, \
+         or its box is empty or infinite"
     )]
     BadQuadric(usize),
-    /// A transform has no inverse.
+    /// The transform of an instance has no inverse.
     #[error("instance {0}: the transform has no inverse")]
     Singular(usize),
-    /// A colour is not from 0 to 1.
-    #[error("instance {0} has an impossible colour")]
+    /// A colour is outside 0 to 1.
+    #[error("instance {0} has a colour outside 0 to 1")]
     BadColor(usize),
 }
 
 impl World {
-    /// A world, if everything in it can be hit and drawn.
+    /// Makes a world. Conditions:
+    ///
+    /// - there is at least one instance, and at most [`Mesh::MAX_TRIANGLES`];
+    /// - all geometries together have at most [`Mesh::MAX_TRIANGLES`] primitives;
+    /// - every quadric is valid; see [`WorldError::BadQuadric`];
+    /// - every instance refers to a geometry, its transform has an inverse, and its colours are from 0 to 1.
     ///
     /// # Errors
-    /// Says what cannot, and where.
+    /// The first condition that does not hold, with the number of the geometry or instance.
     pub fn new(geometries: Vec<Geometry>, instances: Vec<Placement>) -> Result<Self, WorldError> {
         if instances.is_empty() {
             return Err(WorldError::NoInstances);
@@ -125,7 +141,7 @@ impl World {
                 return Err(WorldError::TooMany { what, count });
             }
         }
-        if let Some(bad) = geometries.iter().position(|geometry| !can_be_hit(geometry)) {
+        if let Some(bad) = geometries.iter().position(|geometry| !geometry.is_valid()) {
             return Err(WorldError::BadQuadric(bad));
         }
         for (number, instance) in instances.iter().enumerate() {
@@ -157,23 +173,23 @@ impl World {
         &self.instances
     }
 
-    /// How many triangles its geometries have: each counts once, whatever the number of instances.
+    /// Number of triangles of all geometries. Instances do not multiply it.
     pub fn triangles(&self) -> usize {
         self.geometries.iter().map(|geometry| if let Geometry::Mesh(mesh) = geometry { mesh.len() } else { 0 }).sum()
     }
 
-    /// How many of its geometries are quadrics.
+    /// Number of geometries that are quadrics.
     pub fn quadrics(&self) -> usize {
         self.geometries.iter().filter(|geometry| matches!(geometry, Geometry::Quadric(_))).count()
     }
 
-    /// Takes it apart.
+    /// Returns the geometries and the instances.
     pub fn into_parts(self) -> (Vec<Geometry>, Vec<Placement>) {
         (self.geometries, self.instances)
     }
 }
 
-/// A mesh as it is, in its own colours.
+/// One instance of the mesh, untransformed, in its own colours.
 impl From<Mesh> for World {
     fn from(mesh: Mesh) -> Self {
         let instance = Placement { geometry: 0, object_to_world: Affine3::IDENTITY, paint: Paint::Own };
@@ -181,15 +197,7 @@ impl From<Mesh> for World {
     }
 }
 
-/// Whether rays cannot be taken to the object.
+/// Whether a transform has no inverse, so that rays cannot be transformed to the object.
 pub(crate) fn is_singular(object_to_world: Affine3) -> bool {
     Instance::new((), object_to_world).is_err()
-}
-
-/// Whether a geometry is anything that a ray could hit. A mesh always is.
-pub(crate) fn can_be_hit(geometry: &Geometry) -> bool {
-    let Geometry::Quadric(quadric) = geometry else { return true };
-    let Aabb { lo, hi } = quadric.bounds();
-    let varies = (quadric.squares, quadric.products, quadric.linear) != (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-    varies && lo.is_finite() && hi.is_finite()
 }

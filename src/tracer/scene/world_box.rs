@@ -1,12 +1,13 @@
-//! The box of an instance in the world: it contains the exactly transformed object, whatever the rounding.
+//! The box of an instance in the world. It contains the exact image of the object in spite of rounding.
 
 use glam::{Affine3, Vec3};
 
 use crate::geom::Aabb;
 use crate::tracer::meshes::two_sum;
 
-/// A box around everything within `object`, a box that is not empty, after the exact affine transform. Each side is the
-/// outermost of the transformed corners, or at most a few `f32` further out; for the identity it is the side of `object`
+/// A box that contains the exact image of the box `object` under the affine transform. `object` must not be empty.
+///
+/// Each side is at most a few `f32` further out than the outermost transformed corner. The identity gives `object`
 /// itself. A side beyond the range of `f32` is infinite.
 pub(crate) fn world_box(object: &Aabb, object_to_world: &Affine3) -> Aabb {
     let (rows, translation) = (object_to_world.matrix3.transpose(), object_to_world.translation);
@@ -18,22 +19,22 @@ pub(crate) fn world_box(object: &Aabb, object_to_world: &Affine3) -> Aabb {
         let least = products.map(|(a, b)| a.min(b));
         let greatest = products.map(|(a, b)| a.max(b));
         let translation = f64::from(translation[axis]);
-        // The negative of a lower bound is an upper bound of the negative.
+        // A lower bound of x is the negative of an upper bound of -x.
         (-upper_bound(-translation, least.map(|product| -product)), upper_bound(translation, greatest))
     });
     Aabb { lo: Vec3::from_array(sides.map(|side| side.0)), hi: Vec3::from_array(sides.map(|side| side.1)) }
 }
 
-/// The least `f32` that is at least the exact sum, or at most a few further up.
+/// An upper bound of the exact sum: the smallest `f32` that is one, or at most a few `f32` larger.
 fn upper_bound(first: f64, others: [f64; 3]) -> f32 {
-    // The rounded sum and the exact errors of its additions together are the exact sum.
+    // The exact sum is the rounded sum plus the exact errors of the additions.
     let (mut sum, mut error) = (first, 0.0);
     for term in others {
         let (rounded, lost) = two_sum(sum, term);
         (sum, error) = (rounded, error + lost.abs());
     }
-    // Nothing was lost in most of practice. Else twice the error also covers the roundings of adding up its parts, and
-    // the next number that of adding it.
+    // The error is usually zero. If not, twice the error also covers the rounding in the sum of errors, and `next_up`
+    // covers the rounding of the last addition.
     let bound = if error > 0.0 { (sum + 2.0 * error).next_up() } else { sum };
     let nearest = bound as f32;
     if f64::from(nearest) < bound { nearest.next_up() } else { nearest }
@@ -45,7 +46,8 @@ mod tests {
 
     use super::*;
 
-    /// Against whole numbers: factors and corners in steps of 2⁻¹², translations so large that `f64` cannot hold the sum.
+    /// Compares with exact integers: factors and corners are in steps of 2⁻¹², and translations are so large that `f64`
+    /// cannot hold the sum.
     #[test]
     fn world_boxes_contain_the_exact_image_and_hardly_more() {
         let mut state = 1u32;
@@ -61,7 +63,7 @@ mod tests {
                 let (a, b) = (random(14), random(14));
                 (a.min(b), a.max(b))
             });
-            // 24 bits, of which the last is worth 1 or 2¹³.
+            // 24 bits; the value of the last bit is 1 or 2¹³.
             let unit = if round % 2 == 0 { 1 } else { 1 << 13 };
             let translation = [(); 3].map(|()| random(24));
             let object = Aabb {
@@ -97,12 +99,12 @@ mod tests {
     }
 
     #[test]
-    fn identities_and_turns_by_right_angles_keep_their_box() {
+    fn identity_and_rotations_by_right_angles_are_exact() {
         let object = Aabb { lo: Vec3::new(-0.1, 1e-45, 3.0), hi: Vec3::new(0.3, 1e30, f32::MAX) };
         assert_eq!(world_box(&object, &Affine3::IDENTITY), object);
-        let turn = Affine3::from_mat3(Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X));
-        assert_eq!(world_box(&object, &turn), Aabb { lo: object.lo.zxy(), hi: object.hi.zxy() });
-        let scale = -8_589_934_592.0; // a power of two, so that 3 times it is an f32
+        let rotation = Affine3::from_mat3(Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X));
+        assert_eq!(world_box(&object, &rotation), Aabb { lo: object.lo.zxy(), hi: object.hi.zxy() });
+        let scale = -8_589_934_592.0; // a power of two, so 3 times it is an f32
         let beyond = world_box(&object, &Affine3::from_scale(Vec3::splat(scale)));
         assert_eq!((beyond.lo.z, beyond.lo.y, beyond.hi.z), (f32::NEG_INFINITY, f32::NEG_INFINITY, 3.0 * scale));
     }

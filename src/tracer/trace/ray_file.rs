@@ -13,28 +13,27 @@ use crate::tracer::output::write_atomically;
 const RAY_BYTES: usize = 32;
 const HIT_BYTES: usize = 16;
 
-/// The most rays that are read from one file: 4 GiB of them. A device that never ends would else end in lack of memory.
-const MOST_RAYS: usize = 1 << 27;
+/// Largest number of rays in a file: 4 GiB. Without a limit, an endless device would fill the memory.
+const MAX_RAYS: usize = 1 << 27;
 
-/// Reads rays: eight `f32` each, `ox oy oz t_min dx dy dz t_max`. Every value is allowed, since a ray that makes no
-/// sense misses.
+/// Reads rays: eight `f32` each, `ox oy oz t_min dx dy dz t_max`. Every value is allowed: an invalid ray misses.
 ///
 /// # Errors
-/// If the file cannot be read, ends within a ray, holds none, or holds more than 134,217,728.
+/// If the file cannot be read, ends inside a ray, has no rays, or has more than 134,217,728 rays.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<f32>>, Error> {
-    read_at_most(MOST_RAYS, path)
+    read_at_most(MAX_RAYS, path)
 }
 
-fn read_at_most(most: usize, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
-    // A piece at a time, so that a large file is never in memory twice.
-    const PIECE: usize = RAY_BYTES << 15;
+fn read_at_most(max_rays: usize, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
+    // Read in chunks, so that a large file is never in memory twice.
+    const CHUNK_BYTES: usize = RAY_BYTES << 15;
     let mut file = File::open(path).map_err(Error::reading(path))?;
     let mut rays = Vec::new();
-    let mut piece = Vec::with_capacity(PIECE);
+    let mut chunk = Vec::with_capacity(CHUNK_BYTES);
     loop {
-        piece.clear();
-        (&mut file).take(PIECE as u64).read_to_end(&mut piece).map_err(Error::reading(path))?;
-        let (complete, rest) = piece.as_chunks();
+        chunk.clear();
+        (&mut file).take(CHUNK_BYTES as u64).read_to_end(&mut chunk).map_err(Error::reading(path))?;
+        let (complete, rest) = chunk.as_chunks();
         rays.extend(complete.iter().map(decode_ray));
         if !rest.is_empty() {
             let bytes = rays.len() * RAY_BYTES + rest.len();
@@ -42,17 +41,17 @@ fn read_at_most(most: usize, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
                 format!("truncated: {bytes} bytes is not a multiple of {RAY_BYTES} (ray {} is incomplete)", rays.len());
             return Err(Error::in_file(path, message));
         }
-        if rays.len() > most {
-            return Err(Error::in_file(path, format!("more than {most} rays: trace them in parts")));
+        if rays.len() > max_rays {
+            return Err(Error::in_file(path, format!("more than {max_rays} rays: trace them in parts")));
         }
-        if piece.len() < PIECE {
+        if chunk.len() < CHUNK_BYTES {
             break;
         }
     }
     if rays.is_empty() { Err(Error::in_file(path, "no rays")) } else { Ok(rays) }
 }
 
-/// Writes a file for [`read_rays`].
+/// Writes rays in the format of [`read_rays`].
 ///
 /// # Errors
 /// If the file cannot be written; see [`write_atomically`].
@@ -60,7 +59,8 @@ pub fn write_rays(path: &Path, rays: &[Ray<f32>]) -> Result<(), Error> {
     write_records(path, rays.iter().map(encode_ray))
 }
 
-/// Writes hits: `t u v` as `f32` and the primitive as `u32` each, `u32::MAX` for a miss.
+/// Writes hits, 16 bytes each: `t u v` as `f32` and the primitive number as `u32`. A miss has the primitive number
+/// `u32::MAX`.
 ///
 /// # Errors
 /// If the file cannot be written; see [`write_atomically`].
@@ -109,9 +109,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_survive_the_round_trip() {
+    fn written_rays_are_read_back_with_the_same_bits() {
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
-        // More than one piece, and every kind of number.
+        // More than one chunk, and f32 numbers of every kind.
         let rays: Vec<_> = (0..70_000u32)
             .map(|number| {
                 let x = f32::from_bits(number.wrapping_mul(0x9e37_79b1));
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn files_without_end_are_refused() {
+    fn files_with_too_many_rays_are_refused() {
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
         write_rays(&path, &[Ray::INACTIVE; 3]).unwrap();
         assert_eq!(read_at_most(3, &path).unwrap().len(), 3);

@@ -1,4 +1,4 @@
-//! Many instances from a few lines: where each of them stands, from a seed alone.
+//! The random transforms of scattered instances. They depend on the seed alone.
 
 use glam::{Affine3, DVec2, DVec3, Mat3, Vec3};
 
@@ -8,59 +8,59 @@ use crate::kernels::triangle::Woop;
 use crate::tracer::meshes::generator::hash;
 use crate::tracer::scene::{Geometry, Placement, Scene, World};
 
-/// How instances vary.
+/// How the instances of one scatter vary.
 pub(super) struct Variation {
     pub(super) seed: u32,
-    /// Least and greatest corner in x and z.
+    /// Smallest and largest corner of the area, in x and z.
     pub(super) area: [DVec2; 2],
-    /// What comes before all that is random.
+    /// Transform of every instance, applied before the random ones.
     pub(super) transform: Affine3,
-    /// Least and greatest factor of scale.
+    /// Smallest and largest scale factor.
     pub(super) scale: [f64; 2],
-    /// The greatest shear of x and z by y.
+    /// Largest shear of x and z by y.
     pub(super) lean: f64,
 }
 
-/// What instances stand on. The kernel is watertight, so no instance falls through a seam.
+/// The surface that instances stand on. The kernel is watertight, so no instance falls through a shared edge.
 pub(super) struct Ground {
     scene: Scene<Woop<f32>>,
 }
 
 impl Ground {
-    /// A geometry, as these instances place it.
+    /// A geometry, as these placements place it.
     pub(super) fn new<'a>(geometry: &Geometry, placements: impl Iterator<Item = &'a Placement>) -> Self {
         let placements = placements.map(|placement| Placement { geometry: 0, ..*placement }).collect();
-        let world = World::new(vec![geometry.clone()], placements).expect("all of it has been checked");
+        let world = World::new(vec![geometry.clone()], placements).expect("geometry and placements have been checked");
         Self { scene: Scene::new(world) }
     }
 
-    /// Its extent in x and z.
+    /// Smallest and largest corner in x and z.
     pub(super) fn area(&self) -> [DVec2; 2] {
         let Aabb { lo, hi } = self.scene.bounds();
         [lo, hi].map(|corner| DVec2::new(corner.x.into(), corner.z.into()))
     }
 
-    /// The greatest height at this x and z.
+    /// The largest height at this x and z, or `None` if there is no surface.
     fn height(&self, at: DVec2) -> Option<f64> {
-        // Downwards from height 0, and from infinitely far above it, so that -t is the height without any rounding.
+        // The ray points down from y = 0, and its interval begins at -infinity. So -t is the height, without rounding.
         let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(Vec3::new(at.x as f32, 0.0, at.y as f32), Vec3::NEG_Y) };
         let hit = Intersect::<f32>::hit(&self.scene, &ray);
         hit.mask.then_some(f64::from(-hit.t))
     }
 }
 
-/// How often a place is drawn before giving up on finding ground there.
-const ATTEMPTS: u32 = 64;
+/// Number of random places that are tried for one instance.
+pub(super) const ATTEMPTS: u32 = 64;
 
 impl Variation {
-    /// The transform of instance number `index`: `transform`, scale, a turn about y, the lean, and the place. `None` if no
-    /// ground was found.
+    /// The transform of instance number `index`: first `transform`, then random scale, rotation about y, shear and
+    /// place. `None` if no ground was found in [`ATTEMPTS`] places.
     pub(super) fn transform(&self, index: u32, ground: Option<&Ground>) -> Option<Affine3> {
         let draw = |number: u32| f64::from(hash(index, number, self.seed)) / f64::from(u32::MAX);
-        // Disjoint ranges of numbers, so that no two draws are the same.
+        // Each purpose has its own range of numbers, so no number is drawn twice.
         let pair = |number: u32| DVec2::new(draw(2 * number), draw(2 * number + 1));
-        let [place, turn, lean, scale] = [0, 1, 2, 3].map(|purpose| purpose * ATTEMPTS);
-        // In the unit disc, by taking the first of some points in a square that lies in it.
+        let [place, rotation, lean, scale] = [0, 1, 2, 3].map(|purpose| purpose * ATTEMPTS);
+        // A random point in the unit disc: the first of several points of the enclosing square that lies in the disc.
         let in_disc = |purpose: u32| {
             let points = (purpose..purpose + ATTEMPTS).map(|number| pair(number) * 2.0 - 1.0);
             points.into_iter().find(|point| (0.01..=1.0).contains(&point.length_squared())).unwrap_or(DVec2::X)
@@ -71,7 +71,7 @@ impl Variation {
             let at = lo + (hi - lo) * pair(number);
             Some(DVec3::new(at.x, ground.map_or(Some(0.0), |ground| ground.height(at))?, at.y))
         })?;
-        let DVec2 { x: cos, y: sin } = in_disc(turn).normalize();
+        let DVec2 { x: cos, y: sin } = in_disc(rotation).normalize();
         let lean = in_disc(lean) * self.lean;
         let [least, greatest] = self.scale;
         let scale = least + (greatest - least) * draw(2 * scale);

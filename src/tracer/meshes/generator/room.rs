@@ -1,4 +1,4 @@
-//! A closed room, seen from within, with boxes of several colours in it.
+//! A closed room, seen from inside, with boxes of several colours.
 
 use std::collections::HashMap;
 
@@ -6,18 +6,18 @@ use glam::{Vec2, Vec3};
 
 use crate::tracer::meshes::{Mesh, Part};
 
-/// A box, turned about its vertical axis.
+/// A box, rotated about its vertical axis.
 pub(super) struct Cuboid {
     center: Vec3,
     pub(super) half: Vec3,
-    /// Cosine and sine of the turn, from a Pythagorean triple so that no platform has to compute them.
-    turn: Vec2,
+    /// Cosine and sine of the rotation. They come from a Pythagorean triple, so no platform computes them.
+    rotation: Vec2,
 }
 
-const STRAIGHT: Vec2 = Vec2::new(1.0, 0.0);
+const UNROTATED: Vec2 = Vec2::new(1.0, 0.0);
 
 pub(super) const SHELL: Cuboid =
-    Cuboid { center: Vec3::new(0.0, 2.5, 0.0), half: Vec3::new(6.0, 2.5, 8.0), turn: STRAIGHT };
+    Cuboid { center: Vec3::new(0.0, 2.5, 0.0), half: Vec3::new(6.0, 2.5, 8.0), rotation: UNROTATED };
 
 /// Left, right, floor, ceiling, far and near wall.
 const WALLS: [Vec3; 6] = [
@@ -33,17 +33,17 @@ pub(super) const BOXES: [(Cuboid, Vec3); 7] = [
     (standing(-2.2, -3.5, Vec3::new(1.0, 3.2, 1.0), Vec2::new(0.96, 0.28)), Vec3::new(0.8, 0.8, 0.8)),
     (standing(2.0, -0.5, Vec3::new(1.2, 1.3, 1.1), Vec2::new(0.8, -0.6)), Vec3::new(0.75, 0.5, 0.15)),
     (standing(-0.6, 1.8, Vec3::new(0.6, 0.6, 0.6), Vec2::new(0.6, 0.8)), Vec3::new(0.1, 0.3, 0.7)),
-    (standing(4.6, -6.4, Vec3::new(0.8, 4.2, 0.8), STRAIGHT), Vec3::new(0.7, 0.7, 0.65)),
-    (standing(-4.6, -6.4, Vec3::new(0.8, 4.2, 0.8), STRAIGHT), Vec3::new(0.7, 0.7, 0.65)),
+    (standing(4.6, -6.4, Vec3::new(0.8, 4.2, 0.8), UNROTATED), Vec3::new(0.7, 0.7, 0.65)),
+    (standing(-4.6, -6.4, Vec3::new(0.8, 4.2, 0.8), UNROTATED), Vec3::new(0.7, 0.7, 0.65)),
     (standing(3.6, 3.0, Vec3::new(0.5, 0.9, 1.4), Vec2::new(0.96, -0.28)), Vec3::new(0.45, 0.15, 0.5)),
     (
-        // A board on the wall, so that something hangs free.
-        Cuboid { center: Vec3::new(5.7, 2.6, -1.5), half: Vec3::new(0.15, 0.1, 1.5), turn: STRAIGHT },
+        // A board near the wall, above the floor.
+        Cuboid { center: Vec3::new(5.7, 2.6, -1.5), half: Vec3::new(0.15, 0.1, 1.5), rotation: UNROTATED },
         Vec3::new(0.35, 0.2, 0.1),
     ),
 ];
 
-/// How finely a box is divided when each wall has `n × n` squares.
+/// Divisions per edge of a box in a room whose walls have `n × n` squares.
 const fn box_divisions(n: u32) -> u32 {
     n.div_ceil(3)
 }
@@ -62,12 +62,16 @@ pub(super) fn mesh(n: u32) -> Mesh {
     Mesh::new(builder.positions, builder.triangles, builder.parts).expect("a room is a valid mesh")
 }
 
-/// A box of these dimensions over a point of the floor. It stands a hair above, since two surfaces in one plane would
-/// make it a matter of rounding which one a ray hits.
-const fn standing(x: f32, z: f32, half_width_height_half_depth: Vec3, turn: Vec2) -> Cuboid {
+/// A box of these dimensions above a point of the floor. A small gap separates it from the floor: if two surfaces lay
+/// in one plane, rounding would decide which one a ray hits.
+const fn standing(x: f32, z: f32, half_width_height_half_depth: Vec3, rotation: Vec2) -> Cuboid {
     let Vec3 { x: half_width, y: height, z: half_depth } = half_width_height_half_depth;
     const GAP: f32 = 0.01;
-    Cuboid { center: Vec3::new(x, GAP + height / 2.0, z), half: Vec3::new(half_width, height / 2.0, half_depth), turn }
+    Cuboid {
+        center: Vec3::new(x, GAP + height / 2.0, z),
+        half: Vec3::new(half_width, height / 2.0, half_depth),
+        rotation,
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -84,13 +88,13 @@ struct Builder {
 }
 
 impl Builder {
-    /// Adds the six sides, each divided into `n × n` squares, in the order -x, +x, -y, +y, -z, +z.
+    /// Adds the six sides in the order -x, +x, -y, +y, -z, +z. Each is divided into `n × n` squares.
     fn add(&mut self, cuboid: &Cuboid, n: u32, colors: [Vec3; 6], facing: Facing) {
         let mut grid = Grid { cuboid, n, vertices: HashMap::new() };
         for (side, color) in colors.into_iter().enumerate() {
             self.begin_part(color);
             let (axis, is_high) = (side / 2, side % 2 == 1);
-            // The next two axes turn counter-clockwise, seen from the high end of this one.
+            // Seen from the high end of this axis, the next two axes are counter-clockwise.
             let counter_clockwise = is_high == (facing == Facing::Out);
             for row in 0..n {
                 for column in 0..n {
@@ -116,7 +120,7 @@ impl Builder {
     }
 }
 
-/// The points of a box's surface on a lattice of `n` steps per axis, numbered as they are first used.
+/// Vertex numbers of lattice points on a box's surface, with `n` steps per axis. Numbers follow first use.
 struct Grid<'a> {
     cuboid: &'a Cuboid,
     n: u32,
@@ -124,6 +128,7 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
+    /// The vertex at a lattice point. Adds it to `positions` on first use.
     fn vertex(&mut self, point: [u32; 3], positions: &mut Vec<Vec3>) -> u32 {
         *self.vertices.entry(point).or_insert_with(|| {
             let offset = point.map(|step| 2.0 * step as f32 / self.n as f32 - 1.0);
@@ -134,9 +139,9 @@ impl Grid<'_> {
 }
 
 impl Cuboid {
-    /// The point at an offset from the centre, from -1 to 1 along each of its axes.
+    /// The point at an offset from the centre. Each coordinate of the offset is from -1 to 1, along the box's own axes.
     fn point(&self, offset: Vec3) -> Vec3 {
-        let Vec2 { x: cos, y: sin } = self.turn;
+        let Vec2 { x: cos, y: sin } = self.rotation;
         let Vec3 { x, y, z } = offset * self.half;
         self.center + Vec3::new(x * cos + z * sin, y, z * cos - x * sin)
     }

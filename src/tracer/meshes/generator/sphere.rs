@@ -1,15 +1,15 @@
-//! The unit sphere: an octahedron whose faces are divided into a triangular grid and pushed out.
+//! The unit sphere: each face of an octahedron is divided into a triangular grid, and its points are normalised.
 
 use glam::{DVec3, Vec3};
 
 use crate::tracer::meshes::{Mesh, Part};
 
-/// Each of the eight faces has `n` rows, so `n²` triangles.
+/// Each of the eight faces has `n` rows and thus `n²` triangles.
 pub(super) fn triangles(n: u32) -> u32 {
     8 * n * n
 }
 
-/// The vertices lie on rings about the `y` axis: a pole, rings of 4, 8, … 4n (the equator) … 8, 4, and a pole.
+/// The vertices lie on rings about the `y` axis: a pole, rings of 4, 8, … 4n (the equator) … 8, 4 vertices, a pole.
 pub(super) fn mesh(n: u32) -> Mesh {
     let mut positions = Vec::new();
     let mut rings: Vec<Ring> = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn mesh(n: u32) -> Mesh {
     Mesh::new(positions, triangles, parts).expect("a sphere is a valid mesh")
 }
 
-/// The point that many steps around the square with corners `(±quarter, 0)` and `(0, ±quarter)`.
+/// The point after `step` steps around the square with corners `(±quarter, 0)` and `(0, ±quarter)`.
 fn on_square(step: u32, quarter: u32) -> (f64, f64) {
     let side = step.checked_div(quarter).unwrap_or(0);
     let along = f64::from(step - side * quarter);
@@ -53,13 +53,15 @@ fn on_square(step: u32, quarter: u32) -> (f64, f64) {
     }
 }
 
-/// The vertices of one height: four sides of `quarter` steps, or one vertex at a pole.
+/// The vertices at one height: four sides of `quarter` steps, or one vertex at a pole.
 struct Ring {
+    /// Number of its first vertex.
     first: u32,
     quarter: u32,
 }
 
 impl Ring {
+    /// The vertex after `step` steps along this side.
     fn vertex(&self, side: u32, step: u32) -> u32 {
         self.first + (side * self.quarter + step) % (4 * self.quarter).max(1)
     }

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use crate::tracer::meshes::{Mesh, Part};
 
-/// From (0, 0, 0) to (1, 0, 1), facing up. Barycentrics count along x and z in the one triangle, and against them in the
-/// other: a checker of whole numbers of squares continues across the diagonal.
+/// From (0, 0, 0) to (1, 0, 1), facing up. In one triangle u and v increase with z and x, in the other they decrease
+/// with them. So a checker with a whole number of squares continues across the diagonal.
 pub(super) fn mesh() -> Mesh {
     let positions = vec![Vec3::ZERO, Vec3::Z, Vec3::new(1.0, 0.0, 1.0), Vec3::X];
     let parts = vec![Part { first_triangle: 0, color: Vec3::splat(0.8) }];

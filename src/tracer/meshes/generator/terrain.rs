@@ -1,4 +1,4 @@
-//! A landscape: a square grid, 100 by 100, lifted by fractal noise.
+//! A landscape: a square grid of 100 by 100 units with heights from fractal noise.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use crate::tracer::meshes::{Mesh, Part};
 
 const EXTENT: f64 = 100.0;
 
-/// Two triangles for each of `n × n` squares.
+/// Two triangles per square, `n × n` squares.
 pub(super) fn triangles(n: u32) -> u32 {
     2 * n * n
 }
@@ -34,7 +34,8 @@ pub(super) fn mesh(n: u32) -> Mesh {
     Mesh::new(positions, triangles, parts).expect("a terrain is a valid mesh")
 }
 
-/// Height over the unit square: noise of several wavelengths, each half as long and half as high as the one before.
+/// Height over the unit square: the sum of noise in octaves. Each octave has half the wavelength and half the amplitude
+/// of the one before.
 fn height(x: f64, z: f64) -> f64 {
     const OCTAVES: u32 = 9;
     let (mut sum, mut frequency, mut amplitude) = (0.0, 4.0, 16.0);
@@ -46,7 +47,7 @@ fn height(x: f64, z: f64) -> f64 {
     sum
 }
 
-/// Random values at whole coordinates, from -½ to ½, and a smooth surface through them.
+/// Value noise: random values from -½ to ½ at whole coordinates, interpolated smoothly.
 fn noise(x: f64, z: f64, octave: u32) -> f64 {
     let (column, row) = (x as u32, z as u32);
     let (along, across) = (smooth(x - f64::from(column)), smooth(z - f64::from(row)));
@@ -55,12 +56,12 @@ fn noise(x: f64, z: f64, octave: u32) -> f64 {
     mix(mix(corner(0, 0), corner(1, 0), along), mix(corner(0, 1), corner(1, 1), along), across)
 }
 
-/// From 0 to 1, level at both ends.
+/// Smoothstep: from 0 to 1, with slope 0 at both ends.
 fn smooth(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// A number from -½ to ½ for each corner of each octave.
+/// The random value, from -½ to ½, at a whole coordinate of an octave.
 fn random(x: u32, z: u32, octave: u32) -> f64 {
     f64::from(hash(x, z, octave)) / f64::from(u32::MAX) - 0.5
 }

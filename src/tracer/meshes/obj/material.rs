@@ -1,4 +1,4 @@
-//! Material libraries (MTL files): of all their properties, the diffuse colour.
+//! Material libraries (MTL files). Only the diffuse colour of a material is used.
 
 use std::collections::HashMap;
 use std::io::{self, Write as _};
@@ -6,32 +6,33 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::feed::{Check, Fault, Feed, Line, LineCount};
+use super::line::{Line, LineCount, LineError};
+use super::reader::{CheckedReader, LineChecker};
 use crate::tracer::error::{Error, quoted};
 
-/// Colour of faces without a material: light grey.
+/// Colour of faces without a defined material: light grey.
 pub(super) const DEFAULT_COLOR: Vec3 = Vec3::splat(0.8);
 
-/// A name, and the line that uses it.
+/// Name of a material or library, and the number of the line that uses it.
 #[derive(Debug)]
-pub(super) struct Named {
+pub(super) struct UsedName {
     pub(super) name: String,
     pub(super) line: usize,
 }
 
-/// The colours of all materials in the libraries that `obj` names, by material. A library that does not exist is a
-/// warning; where several define a material, the last one counts.
+/// Loads the libraries that the file `obj` names. Returns the colour of each material by name. If several libraries
+/// define a material, the last one counts. A library that does not exist is a warning.
 pub(super) fn load_libraries(
     obj: &Path,
-    libraries: &[Named],
+    libraries: &[UsedName],
     warnings: &mut Vec<String>,
 ) -> Result<HashMap<String, Vec3>, Error> {
     let mut colors = HashMap::new();
-    for Named { name, line } in libraries {
+    for UsedName { name, line } in libraries {
         if load_if_present(obj, name, &mut colors, warnings)? {
             continue;
         }
-        // Not one name with spaces, so perhaps several names.
+        // No file has this name. If there are spaces in it, they may separate several names.
         for word in name.split_whitespace() {
             if word == name || !load_if_present(obj, word, &mut colors, warnings)? {
                 let message = format!("material library not found: {}", quoted(word.as_bytes()));
@@ -42,7 +43,7 @@ pub(super) fn load_libraries(
     Ok(colors)
 }
 
-/// Adds the colours of one library, or returns false if there is no such file beside the OBJ file.
+/// Adds the colours of one library. Returns false if there is no such file beside the OBJ file.
 fn load_if_present(
     obj: &Path,
     name: &str,
@@ -53,12 +54,12 @@ fn load_if_present(
         return Ok(true);
     }
     let file = obj.with_file_name(name);
-    let mut feed = match Feed::open(&file, MtlLines::default()) {
+    let mut reader = match CheckedReader::open(&file, MtlLines::default()) {
         Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => return Ok(false),
-        feed => feed?,
+        reader => reader?,
     };
-    let parsed = tobj::load_mtl_buf(&mut feed);
-    let ((materials, numbers), lines) = feed.finish(parsed)?;
+    let parsed = tobj::load_mtl_buf(&mut reader);
+    let ((materials, numbers), lines) = reader.finish(parsed)?;
     for (name, number) in numbers {
         let color = materials[number].diffuse.map_or(DEFAULT_COLOR, Vec3::from_array);
         colors.insert(name, color);
@@ -67,20 +68,20 @@ fn load_if_present(
     Ok(true)
 }
 
-/// Checks the lines of an MTL file, and lets names and diffuse colours through.
+/// Checks the lines of an MTL file and passes names and diffuse colours on.
 #[derive(Debug, Default)]
 struct MtlLines {
     has_material: bool,
     clamped: LineCount,
 }
 
-impl Check for MtlLines {
-    fn line(&mut self, line: &Line<'_>, checked: &mut Vec<u8>) -> Result<(), Fault> {
+impl LineChecker for MtlLines {
+    fn check(&mut self, line: &Line<'_>, checked: &mut Vec<u8>) -> Result<(), LineError> {
         match line.keyword() {
             b"newmtl" => {
                 let name = line.name();
                 if name.is_empty() {
-                    return Err(line.fault("a material needs a name"));
+                    return Err(line.error("a material needs a name"));
                 }
                 self.has_material = true;
                 checked.extend(b"newmtl ");
@@ -88,10 +89,10 @@ impl Check for MtlLines {
                 checked.push(b'\n');
                 Ok(())
             }
-            b"Kd" if !self.has_material => Err(line.fault("colour comes before the first newmtl")),
+            b"Kd" if !self.has_material => Err(line.error("colour comes before the first newmtl")),
             b"Kd" => {
                 let [r, g, b] = self.color(line)?.to_array();
-                writeln!(checked, "Kd {r} {g} {b}").expect("a Vec takes everything");
+                writeln!(checked, "Kd {r} {g} {b}").expect("writing to a Vec never fails");
                 Ok(())
             }
             _ => Ok(()),
@@ -100,16 +101,17 @@ impl Check for MtlLines {
 }
 
 impl MtlLines {
-    fn color(&mut self, line: &Line<'_>) -> Result<Vec3, Fault> {
+    /// The diffuse colour, clamped to the range from 0 to 1. Counts the lines that were clamped.
+    fn color(&mut self, line: &Line<'_>) -> Result<Vec3, LineError> {
         let numbers: Vec<f32> = line.arguments().map(|word| line.finite("colour", word)).collect::<Result<_, _>>()?;
         let color = match *numbers {
             [grey] => Vec3::splat(grey),
             [r, g, b] => Vec3::new(r, g, b),
-            _ => return Err(line.fault("a colour needs 3 numbers, or 1 for a grey")),
+            _ => return Err(line.error("a colour needs 3 numbers, or 1 for a grey")),
         };
         let clamped = color.clamp(Vec3::ZERO, Vec3::ONE);
         if clamped != color {
-            self.clamped.note(line);
+            self.clamped.add(line);
         }
         Ok(clamped)
     }

@@ -1,6 +1,8 @@
-//! Meshes made by code, in any size: they need no files and are the same, bit for bit, on every machine. Generators
-//! therefore use whole numbers, `+ - * /` and square roots, but no sines or powers, which differ between platforms.
-//! Neighbouring triangles share their vertices, so the surfaces are watertight.
+//! Generated meshes of any size: a room, a terrain, a sphere, a tree, a square.
+//!
+//! They are the same, bit for bit, on every machine. So generators use whole numbers, `+ - * /` and square roots only:
+//! sines and powers differ between platforms. Neighbouring triangles share their vertices, so the surfaces are
+//! watertight.
 
 mod hash;
 mod room;
@@ -9,11 +11,11 @@ mod square;
 mod terrain;
 mod tree;
 
-pub(crate) use hash::hash;
+pub(crate) use hash::{hash, unit_interval};
 
 use super::mesh::Mesh;
 
-/// A mesh that has been named but not yet made.
+/// What mesh to make: the kind and the resolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Generator {
     kind: Kind,
@@ -37,20 +39,20 @@ const KINDS: [(&str, Kind); 5] = [
     ("square", Kind::Square),
 ];
 
-/// What may stand for a number.
-const SIZES: [(&str, u32); 3] = [("small", 10_000), ("medium", 100_000), ("large", 1_000_000)];
-/// The size of what comes in sizes and is given none.
-pub(crate) const DEFAULT_SIZE: u32 = SIZES[1].1;
-const FEWEST: u32 = 1_000;
-/// The greatest size.
-pub(crate) const MOST: u32 = 10_000_000;
+/// Names for sizes.
+const NAMED_SIZES: [(&str, u32); 3] = [("small", 10_000), ("medium", 100_000), ("large", 1_000_000)];
+/// The size of a mesh or scene that is named without one.
+pub(crate) const DEFAULT_SIZE: u32 = NAMED_SIZES[1].1;
+const MIN_SIZE: u32 = 1_000;
+/// The largest size.
+pub(crate) const MAX_SIZE: u32 = 10_000_000;
 
 impl Generator {
-    /// Understands `NAME` and `NAME:SIZE`; without a size, and for all but the square, which always has two triangles, the
-    /// mesh gets `size` triangles. It has as many as asked for, or the next number it can be made of.
+    /// Parses `NAME` or `NAME:SIZE`. Without a size in the text, the mesh gets `size` triangles. The mesh has that many
+    /// triangles or the next larger number that its shape allows. The square has no size: it has two triangles.
     ///
     /// # Errors
-    /// What is wrong, and what would be right.
+    /// The text names no generator, or its size is not valid. The message says what was expected.
     pub(crate) fn parse(text: &str, size: u32) -> Result<Self, String> {
         let (name, own_size) = match text.split_once(':') {
             Some((name, size)) => (name, Some(size)),
@@ -70,7 +72,7 @@ impl Generator {
         Ok(Self::with_triangles(kind, triangles))
     }
 
-    /// The least resolution that gives so many triangles.
+    /// Uses the smallest resolution that gives at least this many triangles.
     fn with_triangles(kind: Kind, triangles: u32) -> Self {
         let count = match kind {
             Kind::Room => room::triangles,
@@ -79,12 +81,12 @@ impl Generator {
             Kind::Tree => tree::triangles,
             Kind::Square => |_| u32::MAX,
         };
-        // All counts grow with the square of the resolution, so this ends after at most some thousand steps.
+        // Counts grow with the square of the resolution, so this takes a few thousand steps at most.
         let resolution = (1..).find(|&resolution| count(resolution) >= triangles).unwrap_or(u32::MAX);
         Self { kind, resolution }
     }
 
-    /// The triangles.
+    /// Makes the mesh.
     pub(crate) fn mesh(self) -> Mesh {
         match self.kind {
             Kind::Room => room::mesh(self.resolution),
@@ -96,23 +98,23 @@ impl Generator {
     }
 }
 
-/// Understands `small` (10,000), `medium` (100,000), `large` (1,000,000) and a whole number from 1,000 to 10,000,000, also
-/// written `1e6` or `1_000_000`.
+/// Parses a size: `small` (10,000), `medium` (100,000), `large` (1,000,000), or a whole number from 1,000 to
+/// 10,000,000. Forms like `1e6` and `1_000_000` are numbers too.
 ///
 /// # Errors
-/// What would be right; `unit` says what is counted.
+/// The text is none of these. The message says what was expected; `unit` names the things that the size counts.
 pub(crate) fn parse_size(size: &str, unit: &str) -> Result<u32, String> {
-    if let Some(&(_, number)) = SIZES.iter().find(|(name, _)| *name == size) {
+    if let Some(&(_, number)) = NAMED_SIZES.iter().find(|(name, _)| *name == size) {
         return Ok(number);
     }
-    // As a floating-point number, since that is what 1e6 is; it holds all whole numbers in the range.
+    // As f64, so that 1e6 is accepted. It represents every whole number in the range.
     match size.replace('_', "").parse::<f64>() {
-        Ok(number) if (f64::from(FEWEST)..=f64::from(MOST)).contains(&number) && number.fract() == 0.0 => {
+        Ok(number) if (f64::from(MIN_SIZE)..=f64::from(MAX_SIZE)).contains(&number) && number.fract() == 0.0 => {
             Ok(number as u32)
         }
         _ => {
-            let names = SIZES.map(|(name, _)| name).join(", ");
-            Err(format!("the size must be one of {names} or a number of {unit} from {FEWEST} to {MOST}"))
+            let names = NAMED_SIZES.map(|(name, _)| name).join(", ");
+            Err(format!("the size must be one of {names} or a number of {unit} from {MIN_SIZE} to {MAX_SIZE}"))
         }
     }
 }
@@ -129,13 +131,13 @@ mod tests {
         Generator::parse(text, DEFAULT_SIZE).expect("a generator")
     }
 
-    /// Those that come in sizes.
+    /// Names of the generators that have a size.
     fn sized() -> impl Iterator<Item = &'static str> {
         KINDS.iter().map(|&(name, _)| name).filter(|&name| name != "square")
     }
 
     #[test]
-    fn names_and_sizes_are_understood() {
+    fn names_and_sizes_are_parsed() {
         for name in sized() {
             let million = parse(&format!("{name}:large"));
             for size in ["1000000", "1e6", "1_000_000", "1E6", "1000000.0"] {
@@ -160,12 +162,12 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_has_the_triangles_asked_for_or_slightly_more() {
+    fn a_mesh_has_the_requested_number_of_triangles_or_slightly_more() {
         for name in sized() {
             for triangles in [1_000u32, 2_048, 10_000, 123_457, 1_000_000] {
                 let mesh = parse(&format!("{name}:{triangles}")).mesh();
                 let excess = mesh.len() as f64 / f64::from(triangles) - 1.0;
-                // One step more of resolution n adds about two parts in n, or four for the boxes of the room.
+                // One more step of resolution n adds about 2/n of the triangles, or 4/n for the boxes of the room.
                 let allowed = 24.0 / f64::from(triangles).sqrt();
                 assert!((0.0..allowed).contains(&excess), "{name}:{triangles} has {} triangles", mesh.len());
                 assert_eq!(mesh.degenerate_triangles(), 0, "{name}:{triangles}");
@@ -177,7 +179,7 @@ mod tests {
         assert_eq!(parse("square").mesh().len(), 2);
     }
 
-    /// FNV-1a over all bits. Another sum means another scene, and that old measurements can no longer be compared.
+    /// FNV-1a over all bits. If a sum changes, the scene has changed, and old measurements can no longer be compared.
     #[test]
     fn meshes_are_the_same_on_every_machine() {
         let sums = ["room:small", "terrain:small", "sphere:small", "tree:small", "square"].map(|name| {
@@ -194,7 +196,7 @@ mod tests {
         );
     }
 
-    /// How often each directed edge occurs.
+    /// Counts each directed edge.
     fn edges(mesh: &Mesh) -> HashMap<(u32, u32), usize> {
         let mut edges = HashMap::new();
         for &[a, b, c] in mesh.triangles() {
@@ -205,16 +207,16 @@ mod tests {
         edges
     }
 
-    /// Positive where the triangles of a closed mesh face outwards.
+    /// The enclosed volume of a closed mesh: positive if its triangles face outwards, else negative.
     fn volume(mesh: &Mesh) -> f64 {
-        let six_fold: f64 = mesh
+        let six_volumes: f64 = mesh
             .iter()
             .map(|triangle| {
                 let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
                 a.dot(b.cross(c))
             })
             .sum();
-        six_fold / 6.0
+        six_volumes / 6.0
     }
 
     #[test]
@@ -225,7 +227,7 @@ mod tests {
             for (&(a, b), &count) in &edges {
                 assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "{scene}: edge from {a} to {b}");
             }
-            // As many vertices as positions: nothing is shared by position only.
+            // No two vertices have the same position, so triangles that touch share the vertex itself.
             let distinct: HashSet<_> =
                 mesh.positions().iter().map(|position| position.to_array().map(f32::to_bits)).collect();
             assert_eq!(distinct.len(), mesh.positions().len(), "{scene}");
@@ -244,9 +246,9 @@ mod tests {
     #[test]
     fn the_room_faces_inwards_and_its_boxes_outwards() {
         let mesh = parse("room:small").mesh();
-        let content = |cuboid: &room::Cuboid| 8.0 * f64::from(cuboid.half.x * cuboid.half.y * cuboid.half.z);
-        let boxes: f64 = room::BOXES.iter().map(|(cuboid, _)| content(cuboid)).sum();
-        let expected = boxes - content(&room::SHELL);
+        let box_volume = |cuboid: &room::Cuboid| 8.0 * f64::from(cuboid.half.x * cuboid.half.y * cuboid.half.z);
+        let boxes: f64 = room::BOXES.iter().map(|(cuboid, _)| box_volume(cuboid)).sum();
+        let expected = boxes - box_volume(&room::SHELL);
         assert!((volume(&mesh) / expected - 1.0).abs() < 1e-5, "{} {expected}", volume(&mesh));
         assert!(mesh.parts().len() > 10);
         assert_eq!(mesh.bounds().extent(), room::SHELL.half * 2.0);
@@ -264,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_square_faces_up_and_its_barycentrics_continue_across_the_diagonal() {
+    fn a_square_faces_up_and_opposite_points_have_equal_barycentrics() {
         let mesh = parse("square").mesh();
         assert_eq!((mesh.bounds().lo, mesh.bounds().hi), (Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)));
         let [a, b] = [mesh.triangle(0), mesh.triangle(1)];
@@ -283,7 +285,7 @@ mod tests {
         for triangle in mesh.iter() {
             assert!(triangle.normal().y > 0.1, "{triangle:?}");
         }
-        // A sheet: inner edges have a neighbour, and only the rim's have none.
+        // A sheet: each inner edge has an opposite edge, each edge of the rim has none.
         let edges = edges(&mesh);
         assert!(edges.values().all(|&count| count == 1));
         let rim = edges.keys().filter(|&&(a, b)| !edges.contains_key(&(b, a))).count();

@@ -1,0 +1,149 @@
+//! Shading: a colour for each ray of a picture, from its hit.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::picture::Picture;
+use super::secondary::{hemisphere_rays, shadow_rays};
+use super::shot::Shot;
+use super::view::Light;
+use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::Kernel;
+use crate::tracer::meshes::generator::{hash, unit_interval};
+use crate::tracer::scene::{Scene, SurfacePoint};
+use crate::tracer::trace::{Mode, trace};
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shade {
+    /// Diffuse reflection of the light, with hard shadows.
+    Lambert,
+    /// The geometric normal: x, y and z from -1 to 1 as red, green and blue. It is not flipped towards the eye, so it
+    /// shows the winding of triangles.
+    Normals,
+    /// Distance from the eye as grey: the nearest point of the picture is white, the farthest one is dark.
+    Depth,
+    /// A colour for each primitive of each instance.
+    Primitives,
+    /// A colour for each instance.
+    Instances,
+    /// The unoccluded share of the hemisphere above the surface, estimated with [`OCCLUSION_RAYS`] rays.
+    AmbientOcclusion,
+}
+
+/// Colour of pixels that show no surface.
+const BACKGROUND: Vec3 = Vec3::new(0.53, 0.65, 0.80);
+/// Share of ambient light. It depends on the angle to the eye, so surfaces in shadow keep their shape.
+const AMBIENT: f32 = 0.25;
+/// Rays per pixel of an ambient-occlusion picture.
+pub const OCCLUSION_RAYS: u32 = 64;
+/// Length of ambient-occlusion rays, as a fraction of the scene's diagonal.
+pub(crate) const OCCLUSION_REACH: f32 = 0.1;
+
+/// Shades the hits that [`picture_hits`](super::picture_hits) found for the same shot.
+pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot, hits: &[Hit<f32>], shade: Shade) -> Picture {
+    let rays = shot.camera.rays(shot.width, shot.height);
+    let primary = PrimaryHits { scene, rays: &rays, hits, mode: shot.mode };
+    let colors = match shade {
+        Shade::Lambert => primary.lambert(shot.light),
+        Shade::Normals => primary.color_each(|_, _, surface| surface.normal * 0.5 + 0.5),
+        Shade::Depth => primary.depth(),
+        Shade::Primitives => primary.color_each(|ray, hit, surface| {
+            distinct_color(hit.primitive ^ hit.instance.rotate_left(16)) * facing(ray, surface)
+        }),
+        Shade::Instances => primary.color_each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface)),
+        Shade::AmbientOcclusion => primary.ambient_occlusion(),
+    };
+    Picture::from_rays(shot.width, shot.height, &colors)
+}
+
+/// A picture's rays and their hits.
+struct PrimaryHits<'a, K: Kernel> {
+    scene: &'a Scene<K>,
+    rays: &'a [Ray<f32>],
+    hits: &'a [Hit<f32>],
+    mode: Mode,
+}
+
+impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
+    /// The given colour for each ray that hits, and the background for the others.
+    fn color_each(&self, color: impl Fn(&Ray<f32>, &Hit<f32>, &SurfacePoint) -> Vec3 + Sync) -> Vec<Vec3> {
+        let of_ray = |(ray, hit): (&Ray<f32>, &Hit<f32>)| {
+            if hit.mask { color(ray, hit, &self.scene.surface(ray, hit)) } else { BACKGROUND }
+        };
+        self.rays.par_iter().zip(self.hits).map(of_ray).collect()
+    }
+
+    fn depth(&self) -> Vec<Vec3> {
+        let distance = |ray: &Ray<f32>, hit: &Hit<f32>| hit.t * ray.dir.length();
+        let distances =
+            || self.rays.iter().zip(self.hits).filter(|(_, hit)| hit.mask).map(|(ray, hit)| distance(ray, hit));
+        let near = distances().fold(f32::INFINITY, f32::min);
+        let far = distances().fold(0.0, f32::max);
+        let range = if far > near { far - near } else { 1.0 };
+        self.color_each(|ray, hit, _| Vec3::splat(1.0 - 0.9 * (distance(ray, hit) - near) / range))
+    }
+
+    fn lambert(&self, light: Light) -> Vec<Vec3> {
+        let shadow_rays = shadow_rays(self.scene, self.rays, self.hits, light);
+        let shadowed = trace(self.scene, &shadow_rays, true, self.mode);
+        let lit = |index: usize| {
+            let (ray, hit, shadow_ray) = (&self.rays[index], &self.hits[index], &shadow_rays[index]);
+            if !hit.mask {
+                return BACKGROUND;
+            }
+            let surface = self.scene.surface(ray, hit);
+            let to_light = shadow_ray.dir.normalize_or_zero();
+            let to_eye = -ray.dir.normalize_or_zero();
+            // Surfaces reflect on both sides, but only the side that faces the eye is seen.
+            let cosine = surface.normal.dot(to_light) * to_eye.dot(surface.normal).signum();
+            let direct = if shadowed[index].mask { 0.0 } else { cosine.max(0.0) };
+            surface.color * (AMBIENT * facing(ray, &surface) + (1.0 - AMBIENT) * direct)
+        };
+        (0..self.rays.len()).into_par_iter().map(lit).collect()
+    }
+
+    /// Grey: the share of hemisphere rays that hit nothing.
+    fn ambient_occlusion(&self) -> Vec<Vec3> {
+        let reach = self.scene.bounds().extent().length() * OCCLUSION_REACH;
+        let mut open = vec![0; self.rays.len()];
+        // One ray per pixel at a time. All rays of a large picture together would need gigabytes.
+        for sample in 0..OCCLUSION_RAYS {
+            let rays = hemisphere_rays(self.scene, self.rays, self.hits, sample, reach, 1.0);
+            for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
+                *open += u32::from(!occluded.mask);
+            }
+        }
+        let grey = |(hit, open): (&Hit<f32>, &u32)| {
+            if hit.mask { Vec3::splat(*open as f32 / OCCLUSION_RAYS as f32) } else { BACKGROUND }
+        };
+        self.hits.iter().zip(&open).map(grey).collect()
+    }
+}
+
+/// From 0.5 for a surface seen edge-on to 1 for a surface that faces the eye.
+fn facing(ray: &Ray<f32>, surface: &SurfacePoint) -> f32 {
+    0.5 + 0.5 * ray.dir.normalize_or_zero().dot(surface.normal).abs()
+}
+
+/// A bright colour for a number. Different numbers nearly always have different colours.
+fn distinct_color(number: u32) -> Vec3 {
+    let hue = unit_interval(hash(number, 0, 0)) * 6.0;
+    let ramp = |from: f32| (((hue + from) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+    let saturation = 0.45 + 0.5 * unit_interval(hash(number, 1, 0));
+    Vec3::ONE.lerp(Vec3::new(ramp(0.0), ramp(4.0), ramp(2.0)), saturation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_bright_and_distinct_colours() {
+        for number in 0..1_000 {
+            let color = distinct_color(number);
+            assert!(color.max_element() == 1.0 && color.min_element() >= 0.0, "{color}");
+            assert_ne!(color, distinct_color(number + 1));
+        }
+    }
+}

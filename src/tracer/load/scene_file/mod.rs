@@ -1,0 +1,113 @@
+//! Scene files in TOML: meshes and quadrics, instances of them, a camera and a light.
+//!
+//! `toml` parses a file into the structs of [`format`]. From these, [`builder`] makes the world, and [`view`] makes
+//! camera and light.
+
+mod builder;
+mod error;
+mod format;
+mod number;
+mod quadric;
+mod scatter;
+mod transform;
+mod view;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use self::builder::WorldBuilder;
+use self::error::SceneError;
+use self::format::SceneFile;
+use super::loaded::LoadedScene;
+use crate::tracer::error::{Error, quoted};
+
+/// Largest size in bytes of a scene file.
+const MAX_BYTES: u64 = 1 << 24;
+
+/// Loads a scene file in TOML, and the OBJ files that it names.
+///
+/// # Tables
+///
+/// - `[camera]` has `eye` and `look_at`. Optional: `field_of_view` (vertical, in degrees, default 45) and `transform`,
+///   which is applied to the camera.
+/// - `[light]` has either `point`, its position, or `direction`, a vector towards it.
+/// - `[[mesh]]` has `name`, and either `file` or `generator`. `file` is the path of an OBJ file, relative to the scene
+///   file. `generator` is `room`, `terrain`, `sphere`, `tree` or `square`. All but `square` can have a number of
+///   triangles, as in `terrain:1e6`; the default is 100,000.
+/// - `[[quadric]]` has `name`, and one of `sphere`, `ellipsoid`, `paraboloid`, `elliptic_paraboloid`,
+///   `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`. This is a table with the arguments of
+///   the [constructor](crate::geom::Quadric) of the same name. Instead, a quadric can have `coefficients`, ten numbers
+///   for x², y², z², yz, zx, xy, x, y, z and 1, and `clip = { lo, hi }`.
+/// - `[[instance]]` places a geometry. It has `of`, the name of a mesh or quadric. Optional: `transform`, and either
+///   `color` or `checker`. The default is the colours of the mesh, or white for a quadric.
+/// - `[[scatter]]` places many instances. It has `of` and `count`. Optional: `seed`, `on`, `area = { lo, hi }`,
+///   `transform`, `scale = [least, greatest]`, `lean`, and either `color` or `checker`.
+///
+/// Any other key is an error.
+///
+/// # Values
+///
+/// A `transform` is a list of steps. The first step is applied first. The steps are `{ translate = [x, y, z] }`,
+/// `{ scale = [x, y, z] }`, `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`, and
+/// `{ shear = { axis = "x", by = "y", factor = 0.5 } }`; see [`Transform3`](crate::geom::Transform3).
+///
+/// A `checker` has two `colors` and an optional `transform` of the plane, from the surface's (u, v) to unit squares.
+/// Its steps are `translate`, `scale`, `rotate`, `shear_x` and `shear_y`; see [`Transform2`](crate::geom::Transform2).
+///
+/// Colours are linear red, green and blue from 0 to 1.
+///
+/// # Scattered instances
+///
+/// They stand at random places in `area`, a rectangle in x and z, at height 0. If there is `on`, the name of a mesh or
+/// quadric, they stand on top of that geometry, as its `[[instance]]` tables place it. Then `area` is optional. Each
+/// instance is scaled, rotated about the y axis and sheared by up to `lean` times its height. The same file gives the
+/// same bits on every machine.
+///
+/// # Order and defaults
+///
+/// Geometries are numbered in file order, meshes first, then quadrics. Instances are numbered in file order too, those
+/// of `[[instance]]` first, then scattered ones. A geometry that is never placed gives a remark. The default for camera
+/// and light is [`View::around`](crate::tracer::View::around).
+///
+/// # Errors
+/// If a file cannot be read or is not valid. The error names the line and the key.
+pub fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(Error::reading(path))?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(Error::reading(path))?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(Error::in_file(path, format!("longer than {MAX_BYTES} bytes")));
+    }
+    let text = str::from_utf8(&bytes).map_err(|error| {
+        let (before, rest) = bytes.split_at(error.valid_up_to());
+        let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
+        let rest = rest.split(|&byte| byte == b'\n').next().unwrap_or_default();
+        Error::in_line(path, line, format!("not UTF-8: {}", quoted(rest)))
+    })?;
+    from_text(path, text, None)
+}
+
+/// Makes the scene that `text` describes. Paths in it are relative to `file`. Generators and scatters without a size
+/// get `size`.
+pub(crate) fn from_text(file: &Path, text: &str, size: Option<u32>) -> Result<LoadedScene, Error> {
+    make_scene(file, text, size).map_err(|error| error.in_file(file, text))
+}
+
+fn make_scene(path: &Path, text: &str, size: Option<u32>) -> Result<LoadedScene, SceneError> {
+    let file: SceneFile = toml::from_str(text)?;
+    let mut builder = WorldBuilder::new(path, size);
+    for mesh in &file.mesh {
+        builder.add_mesh(mesh)?;
+    }
+    for quadric in &file.quadric {
+        builder.add_quadric(quadric)?;
+    }
+    for instance in &file.instance {
+        builder.add_instance(instance)?;
+    }
+    builder.add_scatters(&file.scatter)?;
+    let (world, remarks) = builder.finish()?;
+    let view = view::view(&file, &world)?;
+    Ok(LoadedScene { world, view, remarks })
+}

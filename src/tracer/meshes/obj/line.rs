@@ -1,0 +1,84 @@
+//! One line of a text file: its words, its numbers, and errors and warnings that name it.
+
+use std::path::Path;
+
+use crate::tracer::error::{Error, quoted};
+
+/// A line, together with the lines that a backslash joins to it.
+pub(super) struct Line<'a> {
+    /// Number of the (first) line in the file, counted from 1.
+    pub(super) number: usize,
+    /// The text, without white space at both ends.
+    pub(super) text: &'a [u8],
+}
+
+/// What is wrong with a line.
+pub(super) struct LineError {
+    /// Number of the line, counted from 1.
+    pub(super) line: usize,
+    pub(super) message: String,
+}
+
+impl<'a> Line<'a> {
+    /// The first word. Empty for an empty line or a comment.
+    pub(super) fn keyword(&self) -> &'a [u8] {
+        self.words().next().unwrap_or_default()
+    }
+
+    /// The words after the keyword, without a comment.
+    pub(super) fn arguments(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        self.words().skip(1)
+    }
+
+    /// Everything after the keyword, because a name may contain spaces and `#`.
+    pub(super) fn name(&self) -> String {
+        let rest = self.text.strip_prefix(self.keyword()).unwrap_or_default();
+        String::from_utf8_lossy(rest).trim().to_owned()
+    }
+
+    /// Parses a finite number. `what` names the number in error messages.
+    pub(super) fn finite(&self, what: &str, word: &[u8]) -> Result<f32, LineError> {
+        match str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok()) {
+            None => Err(self.error(&format!("{what} cannot be read"))),
+            Some(number) if number.is_nan() => Err(self.error(&format!("{what} is NaN"))),
+            Some(number) if number.is_infinite() => Err(self.error(&format!("{what} is infinite or too large"))),
+            Some(number) => Ok(number),
+        }
+    }
+
+    /// An error about this line. The message gets the text of the line.
+    pub(super) fn error(&self, message: &str) -> LineError {
+        LineError { line: self.number, message: format!("{message}: {}", quoted(self.text)) }
+    }
+
+    fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        let end = self.text.iter().position(|&byte| byte == b'#').unwrap_or(self.text.len());
+        self.text[..end].split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    }
+}
+
+/// Counts lines of one kind and keeps the first, so that a million of them give one warning.
+#[derive(Debug, Default)]
+pub(super) struct LineCount {
+    count: usize,
+    first: Option<(usize, String)>,
+}
+
+impl LineCount {
+    pub(super) fn add(&mut self, line: &Line<'_>) {
+        self.add_text(line.number, line.text);
+    }
+
+    /// Like [`LineCount::add`], but the warning shows `text` instead of the line.
+    pub(super) fn add_text(&mut self, line: usize, text: &[u8]) {
+        self.count += 1;
+        self.first.get_or_insert_with(|| (line, quoted(text)));
+    }
+
+    /// The warning, or `None` if no line was counted.
+    pub(super) fn warning(&self, file: &Path, message: &str) -> Option<String> {
+        let (line, text) = self.first.as_ref()?;
+        let more = if self.count > 1 { format!(" (and {} more)", self.count - 1) } else { String::new() };
+        Some(Error::in_line(file, *line, format!("{message}: {text}{more}")).to_string())
+    }
+}

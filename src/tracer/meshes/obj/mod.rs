@@ -1,0 +1,83 @@
+//! Wavefront OBJ files. `tobj` parses them, but every line is checked first.
+//!
+//! `tobj` alone is not enough. It reports no line numbers, accepts NaN as a coordinate, and takes `l 1 2 3` for a
+//! triangle. It refuses a whole file for a broken texture coordinate that nobody uses. It panics on a colour of two
+//! numbers. So [`reader`] gives it one checked line at a time, and only lines that make geometry. Errors are found
+//! here, where the line number is known.
+//!
+//! | in the file | what becomes of it |
+//! | --- | --- |
+//! | `v x y z`, `v x y z w` | a vertex; `tobj` divides by the weight `w` |
+//! | `v x y z r g b`, `… a` | a vertex; its colour is ignored with a warning |
+//! | `f` with 3 or more vertices | a fan of triangles around the first vertex; for indices see below |
+//! | `usemtl`, `mtllib` | the diffuse colour of the material |
+//! | `p`, `l`, `curv`, `curv2`, `surf` | no surface; counted in [`ObjReport::ignored_elements`] |
+//! | normals, texture coordinates, groups, display attributes | ignored, with any content |
+//! | any other line | ignored with a warning |
+//!
+//! Negative indices count back from the line that they are in. Positive indices may refer to vertices that come later
+//! in the file. A backslash at the end of a line joins it with the next line, except in comments. Text need not be
+//! UTF-8.
+
+mod line;
+mod material;
+mod obj_lines;
+mod reader;
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use self::obj_lines::ObjLines;
+use self::reader::CheckedReader;
+use super::mesh::Mesh;
+use crate::tracer::error::Error;
+
+/// What the loader left out of a mesh, and other remarks about the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ObjReport {
+    /// Number of vertices in the file. The mesh holds only vertices that faces use.
+    pub vertices: usize,
+    /// Number of triangles of exactly zero area. The mesh keeps them, so that primitive numbers follow the file.
+    pub degenerate: usize,
+    /// Number of points, lines, curves and free-form surfaces.
+    pub ignored_elements: usize,
+    /// One line each: missing materials, unknown keywords, ignored colours.
+    pub warnings: Vec<String>,
+}
+
+/// Loads an OBJ file and the material files that it names. Triangles are in the order of the file's faces.
+///
+/// A material file that does not exist is a warning.
+///
+/// # Errors
+/// If a file cannot be read, if a line is not valid, or if there are no triangles.
+pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
+    let mut reader = CheckedReader::open(path, ObjLines::default())?;
+    // The reader passes no objects, groups or materials on. So tobj makes one model, and its faces share vertices.
+    let parsed = tobj::load_obj_buf(&mut reader, &options, |_| Err(tobj::LoadError::OpenFileFailed));
+    let ((models, _), lines) = reader.finish(parsed)?;
+    let (positions, triangles) = geometry(&models);
+
+    let mut warnings = Vec::new();
+    let colors = material::load_libraries(path, &lines.libraries, &mut warnings)?;
+    let parts = lines.parts(triangles.len(), &colors, path, &mut warnings);
+    warnings.extend(lines.colored_vertices.warning(path, "vertex colour ignored"));
+    warnings.extend(lines.unknown_keywords.warning(path, "unknown keyword, line ignored"));
+
+    let mesh = Mesh::new(positions, triangles, parts).map_err(|error| Error::in_file(path, error.to_string()))?;
+    let degenerate = mesh.degenerate_triangles();
+    let report = ObjReport { vertices: lines.vertices, degenerate, ignored_elements: lines.ignored_elements, warnings };
+    Ok((mesh, report))
+}
+
+/// The positions and triangles of the only model.
+fn geometry(models: &[tobj::Model]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let [tobj::Model { mesh, .. }] = models else {
+        unreachable!("tobj starts a new model only at a group or material")
+    };
+    let (positions, _) = mesh.positions.as_chunks();
+    let (triangles, _) = mesh.indices.as_chunks();
+    (positions.iter().map(|&position| Vec3::from_array(position)).collect(), triangles.to_vec())
+}
