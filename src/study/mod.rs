@@ -35,10 +35,11 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rand_pcg::Pcg64;
 
+use crate::files::{try_folder, write_new_folder, write_together};
 use crate::geom::{Aabb, Placed, Quadric, Triangle};
 use crate::kernels::triangle::Woop;
 use crate::registry;
-use crate::tracer::{Error, SceneSource, try_folder, write_new_folder, write_together};
+use crate::tracer::{Error, SceneSource};
 use accuracy::Kernels;
 use date::date;
 use rates::Rates;

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::camera::{Camera, block_order};
 use super::view::Light;
+use crate::error::Error;
+use crate::files::write_atomically;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::error::Error;
 use crate::tracer::meshes::generator::hash;
-use crate::tracer::output::write_atomically;
 use crate::tracer::scene::{Scene, SurfacePoint};
 use crate::tracer::trace::{Mode, trace};
 

@@ -28,7 +28,7 @@ use glam::Vec3;
 use self::feed::{Check, Fault, Feed, Line, LineCount};
 use self::material::{DEFAULT_COLOR, Named};
 use super::mesh::{Mesh, Part};
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Lines that shape no surface: attributes of vertices, names, display settings, and the bodies of free-form curves
 /// and surfaces, which are counted by their first line.

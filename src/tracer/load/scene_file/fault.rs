@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// What is wrong with the bytes `span` of a file.
 #[derive(Debug)]

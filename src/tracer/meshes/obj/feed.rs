@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Longest line, joined lines included: it bounds the memory that a file which is no text can take. A face of a
 /// million vertices fits.

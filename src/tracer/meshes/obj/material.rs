@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::feed::{Check, Fault, Feed, Line, LineCount};
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Colour of faces without a material: light grey.
 pub(super) const DEFAULT_COLOR: Vec3 = Vec3::splat(0.8);
