@@ -91,6 +91,10 @@
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "tracer")]
+mod error;
+#[cfg(feature = "tracer")]
+mod files;
 pub mod geom;
 pub mod kernels;
 #[cfg(feature = "study")]

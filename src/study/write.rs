@@ -6,7 +6,8 @@ use super::present::chart::charts;
 use super::present::report::{report_html, report_markdown};
 use super::record::folder::make_folder;
 use super::record::{Record, one_row_per_line};
-use crate::tracer::{Error, write_new_folder, write_together};
+use crate::files::{write_new_folder, write_together};
+use crate::tracer::Error;
 
 /// Writes `results.json`, `report.md` and the charts that it shows, and the same as one page, `report.html`, into a folder,
 /// which is made if it is not there. Nothing is removed, and nothing is replaced before all is written.

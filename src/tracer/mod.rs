@@ -44,17 +44,16 @@
 //! server processor with AVX-512 (Sapphire Rapids class). Blocks try incoherent rays first, which costs 1 to 4 %.
 
 mod bvh;
-mod error;
 mod image;
 mod leaf;
 mod load;
 mod meshes;
-mod output;
 mod scene;
 mod trace;
 mod walk;
 
-pub use error::Error;
+pub use crate::error::Error;
+pub use crate::files::{hold_writes, write_atomically};
 pub use image::{
     Camera, Differences, Light, OCCLUSION_RAYS, Picture, Shade, Shot, View, block_order, compare, parse_point,
     picture_hits, shade,
@@ -63,9 +62,6 @@ pub use image::{
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
 pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
-pub use output::{hold_writes, write_atomically};
-#[cfg(feature = "study")]
-pub(crate) use output::{try_folder, write_new_folder, write_together};
 pub use scene::{Checker, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{Mode, checksum, count, read_rays, thread_pool, trace, trace_into, write_hits, write_rays};
 pub use walk::TraversalStats;

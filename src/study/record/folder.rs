@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::date::{date, seconds_since_1970};
-use crate::tracer::{Error, try_folder};
+use crate::files::try_folder;
+use crate::tracer::Error;
 
 /// Makes a folder to write into, if it is not there.
 ///

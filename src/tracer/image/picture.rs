@@ -5,8 +5,8 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::camera::block_order;
-use crate::tracer::error::Error;
-use crate::tracer::output::write_atomically;
+use crate::error::Error;
+use crate::files::write_atomically;
 
 /// Colours, row by row from the upper left: linear red, green and blue from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]

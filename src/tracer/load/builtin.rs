@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::loaded::LoadedScene;
 use super::scene_file;
-use crate::tracer::error::Error;
+use crate::error::Error;
 use crate::tracer::meshes::generator::{DEFAULT_SIZE, parse_size};
 
 /// A built-in scene and its size.

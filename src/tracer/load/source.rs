@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::builtin::BuiltIn;
 use super::loaded::{LoadedScene, has_extension, obj_remarks};
 use super::scene_file::load_scene;
-use crate::tracer::error::Error;
+use crate::error::Error;
 use crate::tracer::image::View;
 use crate::tracer::meshes::load_obj;
 

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use crate::error::Error;
+use crate::files::write_atomically;
 use crate::geom::{Hit, Ray};
-use crate::tracer::error::Error;
-use crate::tracer::output::write_atomically;
 
 const RAY_BYTES: usize = 32;
 const HIT_BYTES: usize = 16;

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::incoherent::{self, IncoherentRays};
 use super::mode::Mode;
+use crate::error::Error;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::error::Error;
 use crate::tracer::scene::{Scene, Scratch};
 use crate::tracer::walk::block::{self, Outcome};
 use crate::tracer::walk::{Counter, TraversalStats};

@@ -13,7 +13,7 @@ use super::number::Color;
 use super::quadric::QuadricTable;
 use super::scatter::{self, Ground, Variation};
 use super::transform::{compose2, compose3};
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 use crate::tracer::load::loaded::{has_extension, obj_remarks};
 use crate::tracer::meshes::generator::{DEFAULT_SIZE, Generator, MAX_SIZE};
 use crate::tracer::meshes::load_obj;

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Why a scene file cannot be loaded.
 pub(super) enum SceneError {

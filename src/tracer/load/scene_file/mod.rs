@@ -20,7 +20,7 @@ use self::builder::WorldBuilder;
 use self::error::SceneError;
 use self::format::SceneFile;
 use super::loaded::LoadedScene;
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Largest size in bytes of a scene file.
 const MAX_BYTES: u64 = 1 << 24;

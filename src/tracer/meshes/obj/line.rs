@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// A line, together with the lines that a backslash joins to it.
 pub(super) struct Line<'a> {

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::line::{Line, LineCount, LineError};
 use super::reader::{CheckedReader, LineChecker};
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Colour of faces without a defined material: light grey.
 pub(super) const DEFAULT_COLOR: Vec3 = Vec3::splat(0.8);

@@ -31,7 +31,7 @@ use glam::Vec3;
 use self::obj_lines::ObjLines;
 use self::reader::CheckedReader;
 use super::mesh::Mesh;
-use crate::tracer::error::Error;
+use crate::error::Error;
 
 /// What the loader left out of a mesh, and other remarks about the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

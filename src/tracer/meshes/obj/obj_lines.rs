@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::line::{Line, LineCount, LineError};
 use super::material::{DEFAULT_COLOR, UsedName};
 use super::reader::LineChecker;
-use crate::tracer::error::quoted;
+use crate::error::quoted;
 use crate::tracer::meshes::mesh::Part;
 
 /// Keywords of lines that are ignored without a warning: attributes of vertices, names, display settings, and the

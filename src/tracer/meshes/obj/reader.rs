@@ -5,7 +5,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::line::{Line, LineError};
-use crate::tracer::error::{Error, quoted};
+use crate::error::{Error, quoted};
 
 /// Largest length in bytes of a line, with the lines joined to it. It bounds the memory that a binary file can take. A
 /// face with a million vertices fits.

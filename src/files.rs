@@ -1,4 +1,8 @@
-//! Files that are written completely or not at all, also by a program that is interrupted.
+//! Writes files completely or not at all, even if the program is interrupted.
+//!
+//! Content goes to a temporary file or folder first. It gets its final name only when everything is written. A lock is
+//! held as long as something temporary exists. A program that wants to exit takes that lock ([`hold_writes`]); it then
+//! leaves nothing temporary behind.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -9,48 +13,50 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::TempDir;
 use tempfile::TempPath;
 
-use super::error::Error;
+use crate::error::Error;
 
-/// What temporary files and folders begin with.
-const PREFIX: &str = ".raylanes-";
+/// Names of temporary files and folders begin with this.
+const TEMPORARY_PREFIX: &str = ".raylanes-";
 
-/// Names of files that are already open. Whoever opened them holds on to them, so they cannot be replaced, even where
-/// they are regular files (`raylanes … -o /dev/stdout >> log`).
+/// Paths below these are files that some process holds open. Replacing such a file would not reach that process, even
+/// if it is a regular file (`raylanes … -o /dev/stdout >> log`). So these are written directly.
 const OPEN_FILES: [&str; 4] = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
 
-/// What was written to so far. It is locked for as long as a temporary file or folder exists, but never while a device, a
-/// pipe or standard output is waited for.
+/// Paths written so far. Locked while a temporary file or folder exists, but never while waiting for a device, a pipe
+/// or standard output.
 static WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Waits until there are no temporary files and folders, and keeps new ones from being made while the result lives: for a
-/// program that is about to exit although it may be writing. Tells what was written to so far, last what was written last;
-/// other writing than to files and folders may be going on.
+/// Waits until no temporary file or folder exists, and prevents new ones while the returned guard lives.
+///
+/// For a program that is about to exit while it may be writing. The guard holds the paths written so far, in the order
+/// of writing. Writes to devices, pipes and standard output are not stopped.
 pub fn hold_writes() -> MutexGuard<'static, Vec<PathBuf>> {
-    // Whatever thread panicked has removed its temporary files.
+    // A thread that panicked while holding the lock has removed its temporary files.
     WRITTEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Writes a file by way of a temporary one beside it, which takes its place only when everything is written: a failure
-/// leaves behind neither half a file nor a damaged old one. Permissions are those of an ordinary new file, or those of
-/// the file that is replaced; through a symbolic link, the file it points to is replaced.
+/// Writes a file through a temporary file beside it, which replaces the old file when everything is written. A failure
+/// leaves neither half a file nor a damaged old one.
 ///
-/// Devices, pipes and standard output cannot be replaced, so these are written directly.
+/// A new file gets ordinary permissions; a replaced file keeps its own. Through a symbolic link, the file that it
+/// points to is replaced. Devices, pipes and standard output cannot be replaced, so they are written directly.
 ///
-/// This guards against errors, not against a power failure: nothing waits for the disk. One file is written at a time, so
-/// `write` must not write another one in this way.
+/// This protects against errors, but not against a power failure: nothing waits for the disk.
+///
+/// Only one file is written at a time: the lock is held meanwhile. So `write` must not call this function.
 ///
 /// # Errors
-/// If the file cannot be made or written, also at the last flush, or if `write` fails.
+/// If the file cannot be created or written, including the last flush, or if `write` fails.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Error> {
     let written = Target::of(path).and_then(|target| match target {
         Target::Open(file) => {
-            // Before, since some of it may be there when the rest is still waited for.
+            // Recorded before writing: part of it may arrive while the rest still waits.
             hold_writes().push(path.into());
             write_buffered(file, write)
         }
         Target::Replaceable(target) => {
             let mut written = hold_writes();
-            target.stage(write)?.take_place()?;
+            target.stage(write)?.move_into_place()?;
             written.push(path.into());
             Ok(())
         }
@@ -58,10 +64,10 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::R
     written.map_err(Error::writing(path))
 }
 
-/// Writes files into a folder, each as [`write_atomically`] does, but none takes its place before all are written.
+/// Writes several files into a folder, each like [`write_atomically`]. No file is replaced before all are written.
 ///
 /// # Errors
-/// If one of them cannot be made or written.
+/// If one of them cannot be created or written.
 #[cfg(feature = "study")]
 pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
     let mut replaceable = Vec::new();
@@ -82,14 +88,14 @@ pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Resu
         staged.push((path, file));
     }
     for (path, file) in staged {
-        file.take_place().map_err(Error::writing(&path))?;
+        file.move_into_place().map_err(Error::writing(&path))?;
     }
     written.push(folder.into());
     Ok(())
 }
 
-/// Writes files into a new folder, by way of a temporary one beside it: afterwards it is there with all of them, or not at
-/// all. The folder that it is made in is made if it is not there.
+/// Writes files into a new folder, through a temporary folder beside it. The new folder appears with all files or not
+/// at all. Its parent folders are created if they are missing.
 ///
 /// # Errors
 /// If something with this name exists, unless it is an empty folder, or if something cannot be written.
@@ -97,7 +103,7 @@ pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Resu
 pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
     let mut written = hold_writes();
     let parent = directory_of(folder);
-    let _made = make_folder(parent)?;
+    let _created = create_folder(parent)?;
     let temporary = temporary_folder(parent).map_err(Error::writing(folder))?;
     for (name, content) in files {
         fs::write(temporary.path().join(name), content).map_err(Error::writing(&folder.join(name)))?;
@@ -105,7 +111,7 @@ pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Re
     match fs::rename(temporary.path(), folder) {
         Err(_) if folder.symlink_metadata().is_ok() => {
             let kept = temporary.keep();
-            let message = format!("it exists by now; what it was to hold is in {}", kept.display());
+            let message = format!("it exists by now; the new files are in {}", kept.display());
             Err(Error::writing(folder)(io::Error::new(ErrorKind::AlreadyExists, message)))
         }
         renamed => {
@@ -116,42 +122,42 @@ pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Re
     }
 }
 
-/// Whether files can be made in this folder, which is made for the moment if it is not there. Nothing is left behind.
+/// Checks that files can be created in this folder. A missing folder is created for the check. Nothing is left behind.
 ///
 /// # Errors
-/// If they cannot.
+/// If no file can be created there.
 #[cfg(feature = "study")]
 pub(crate) fn try_folder(folder: &Path) -> Result<(), Error> {
     let _held = hold_writes();
-    let _made = make_folder(folder)?;
+    let _created = create_folder(folder)?;
     temporary_folder(folder).map(drop).map_err(Error::writing(folder))
 }
 
-/// Folders that were not there. At the end those go away again into which nothing was written.
+/// Folders that were created. When dropped, it removes those that are still empty.
 #[cfg(feature = "study")]
-struct Made<'a>(Vec<&'a Path>);
+struct CreatedFolders<'a>(Vec<&'a Path>);
 
 #[cfg(feature = "study")]
-impl Drop for Made<'_> {
+impl Drop for CreatedFolders<'_> {
     fn drop(&mut self) {
-        // From the innermost out; the system refuses where something is in it.
+        // Innermost first. The system refuses to remove a folder that is not empty.
         self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
 
-/// Makes a folder, if it is not there, and those around it.
+/// Creates a folder and its parents where they are missing.
 #[cfg(feature = "study")]
-fn make_folder(folder: &Path) -> Result<Made<'_>, Error> {
-    let made = Made(folder.ancestors().filter(|ancestor| !ancestor.exists()).collect());
+fn create_folder(folder: &Path) -> Result<CreatedFolders<'_>, Error> {
+    let created = CreatedFolders(folder.ancestors().filter(|ancestor| !ancestor.exists()).collect());
     fs::create_dir_all(folder).map_err(Error::creating(folder))?;
-    Ok(made)
+    Ok(created)
 }
 
-/// Unlike a temporary file, it has ordinary permissions by itself.
+/// `tempfile` gives folders ordinary permissions, unlike files.
 #[cfg(feature = "study")]
 fn temporary_folder(parent: &Path) -> io::Result<TempDir> {
-    // Without its name, which is of no use in a message.
-    tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent).map_err(|error| error.kind().into())
+    // Only the kind of the error: the temporary name is of no use in a message.
+    tempfile::Builder::new().prefix(TEMPORARY_PREFIX).tempdir_in(parent).map_err(|error| error.kind().into())
 }
 
 fn directory_of(path: &Path) -> &Path {
@@ -161,17 +167,17 @@ fn directory_of(path: &Path) -> &Path {
     }
 }
 
-/// What a path stands for when it is to be written.
+/// What is found at a path that is about to be written.
 enum Target {
-    /// A device, a pipe, or a file that somebody holds open.
+    /// A device, a pipe, or a file that a process holds open.
     Open(File),
-    /// A regular file, or none yet.
+    /// A regular file, or nothing yet.
     Replaceable(Replaceable),
 }
 
 impl Target {
     fn of(path: &Path) -> io::Result<Self> {
-        // Appending alters nothing yet, and lets the system judge whether this file may be written.
+        // Opening for appending changes nothing, and the system checks whether the file may be written.
         match OpenOptions::new().append(true).open(path) {
             Ok(file) => {
                 let metadata = file.metadata()?;
@@ -190,11 +196,11 @@ impl Target {
     }
 }
 
-/// Where links lead, also when no file is there yet.
+/// Follows symbolic links, also to a file that does not exist yet.
 fn destination(path: &Path) -> io::Result<PathBuf> {
     match fs::canonicalize(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => match fs::read_link(path) {
-            // A circle of links is a different error, so this ends.
+            // This ends: a circle of links is another kind of error.
             Ok(target) => destination(&path.parent().unwrap_or(Path::new("")).join(target)),
             Err(_) => Ok(path.to_owned()),
         },
@@ -204,7 +210,7 @@ fn destination(path: &Path) -> io::Result<PathBuf> {
 
 struct Replaceable {
     destination: PathBuf,
-    /// Of the file that is there.
+    /// Permissions of the old file, if there is one.
     permissions: Option<Permissions>,
 }
 
@@ -214,9 +220,9 @@ impl Replaceable {
         if !directory.is_dir() {
             return Err(io::Error::new(ErrorKind::NotFound, format!("there is no directory {}", directory.display())));
         }
-        // Opened by us, since tempfile would make it readable by its owner alone, and would put its name into messages.
+        // Opened here, since `tempfile` would make it readable by its owner only and name it in error messages.
         let mut file = tempfile::Builder::new()
-            .prefix(PREFIX)
+            .prefix(TEMPORARY_PREFIX)
             .make_in(directory, |name| OpenOptions::new().write(true).create_new(true).open(name))?;
         if let Some(permissions) = self.permissions {
             file.as_file().set_permissions(permissions)?;
@@ -226,14 +232,14 @@ impl Replaceable {
     }
 }
 
-/// A file that is written, beside its place. It goes away if it does not take it.
+/// A complete temporary file beside its destination. It is deleted unless it is moved there.
 struct Staged {
     file: TempPath,
     destination: PathBuf,
 }
 
 impl Staged {
-    fn take_place(self) -> io::Result<()> {
+    fn move_into_place(self) -> io::Result<()> {
         self.file.persist(self.destination).map_err(|error| error.error)
     }
 }
@@ -248,7 +254,7 @@ fn write_buffered(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Re
 mod tests {
     use super::*;
 
-    /// The names in a directory: a left-over temporary file would be among them.
+    /// The names in a directory. A temporary file that was left behind would be among them.
     fn names(directory: &Path) -> Vec<String> {
         let mut names: Vec<_> =
             fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -257,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_made_or_replaced() {
+    fn a_file_is_created_or_replaced() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("out");
         for content in ["long content", "short"] {
@@ -268,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_everything_as_it_was() {
+    fn a_failed_write_changes_nothing() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("out");
         let fail = || {
@@ -286,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_targets_are_named() {
+    fn errors_name_the_path() {
         let directory = tempfile::tempdir().unwrap();
         let message = |path: &Path| write_atomically(path, |_| Ok(())).unwrap_err().to_string();
         let missing = directory.path().join("no/out");
@@ -303,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn while_writes_are_held_there_is_no_temporary_file() {
+    fn no_temporary_file_exists_while_writes_are_held() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("out");
         let held = hold_writes();
@@ -326,7 +332,7 @@ mod tests {
 
     #[cfg(feature = "study")]
     #[test]
-    fn files_are_written_together_or_not_at_all() {
+    fn write_together_writes_all_files_or_none() {
         let directory = tempfile::tempdir().unwrap();
         let folder = directory.path();
         fs::write(folder.join("b"), "old").unwrap();
@@ -345,22 +351,21 @@ mod tests {
 
     #[cfg(feature = "study")]
     #[test]
-    fn a_new_folder_is_there_with_all_files_or_not_at_all() {
+    fn a_new_folder_appears_with_all_files_or_not_at_all() {
         let directory = tempfile::tempdir().unwrap();
         let parent = directory.path().join("reports");
         let folder = parent.join("new");
         let error = write_new_folder(&folder, &files(&["a", "no/b"])).unwrap_err().to_string();
         assert!(error.starts_with(&format!("cannot write {}: ", folder.join("no/b").display())), "{error}");
-        assert!(names(directory.path()).is_empty(), "nor is what was made around it");
+        assert!(names(directory.path()).is_empty(), "the parent folder is removed too");
         write_new_folder(&folder, &files(&["a", "b"])).unwrap();
         assert_eq!((names(&parent), names(&folder)), (vec!["new".to_owned()], vec!["a".into(), "b".into()]));
         let error = write_new_folder(&folder, &files(&["c"])).unwrap_err().to_string();
-        assert_eq!(names(&folder), ["a", "b"], "what is there is never touched");
+        assert_eq!(names(&folder), ["a", "b"], "an existing folder is not changed");
         let kept = names(&parent).remove(0);
         assert!(
-            kept.starts_with(PREFIX)
-                && error
-                    .contains(&format!("it exists by now; what it was to hold is in {}", parent.join(&kept).display())),
+            kept.starts_with(TEMPORARY_PREFIX)
+                && error.contains(&format!("it exists by now; the new files are in {}", parent.join(&kept).display())),
             "{error}"
         );
         assert_eq!(names(&parent.join(kept)), ["c"]);
@@ -368,7 +373,7 @@ mod tests {
 
     #[cfg(feature = "study")]
     #[test]
-    fn a_folder_is_tried_without_a_trace() {
+    fn try_folder_leaves_nothing_behind() {
         let directory = tempfile::tempdir().unwrap();
         let folder = directory.path().join("some/where");
         try_folder(&folder).unwrap();
@@ -392,7 +397,7 @@ mod tests {
         }
 
         #[test]
-        fn permissions_are_ordinary_or_kept() {
+        fn new_files_get_ordinary_permissions_and_old_ones_keep_theirs() {
             let directory = tempfile::tempdir().unwrap();
             let [ordinary, new] = ["ordinary", "new"].map(|name| directory.path().join(name));
             File::create(&ordinary).unwrap();
@@ -404,11 +409,11 @@ mod tests {
         }
 
         #[test]
-        fn links_stay_links() {
+        fn a_symbolic_link_stays_a_link() {
             let directory = tempfile::tempdir().unwrap();
             let [link, target] = ["link", "target"].map(|name| directory.path().join(name));
             symlink("target", &link).unwrap();
-            // At first the link dangles.
+            // The first time, the target does not exist yet.
             for content in ["first", "second"] {
                 write_atomically(&link, |out| out.write_all(content.as_bytes())).unwrap();
                 assert_eq!(fs::read_to_string(&target).unwrap(), content);
@@ -420,9 +425,9 @@ mod tests {
             assert_eq!(names(directory.path()), ["circle", "link", "target"]);
         }
 
-        /// With a pipe of its own: as root, a broken `write_atomically` would replace `/dev/null` for the whole machine.
+        /// Uses its own pipe: as root, a broken `write_atomically` would replace `/dev/null` for the whole machine.
         #[test]
-        fn pipes_are_written_not_replaced() {
+        fn a_pipe_is_written_and_not_replaced() {
             let directory = tempfile::tempdir().unwrap();
             let pipe = directory.path().join("pipe");
             assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -436,7 +441,7 @@ mod tests {
         }
 
         #[test]
-        fn a_pipe_that_nobody_reads_holds_up_nobody_else() {
+        fn a_pipe_that_is_not_read_does_not_block_other_writes() {
             let directory = tempfile::tempdir().unwrap();
             let pipe = directory.path().join("pipe");
             assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -446,7 +451,8 @@ mod tests {
             });
             let mut reader = File::open(&pipe).unwrap();
             io::Read::read_exact(&mut reader, &mut [0]).unwrap();
-            // The rest does not fit into the pipe. Other tests write meanwhile, so more than one try is needed.
+            // The writer now waits, since the rest does not fit into the pipe. Other tests write at the same time
+            // and may hold the lock, so try more than once.
             let mut tries = (0..1000).map(|_| {
                 std::thread::sleep(std::time::Duration::from_millis(10));
                 WRITTEN.try_lock().is_ok_and(|written| written.contains(&pipe))
@@ -458,7 +464,7 @@ mod tests {
 
         #[cfg(feature = "study")]
         #[test]
-        fn new_folders_are_ordinary() {
+        fn new_folders_get_ordinary_permissions() {
             let directory = tempfile::tempdir().unwrap();
             let [ordinary, new] = ["ordinary", "new"].map(|name| directory.path().join(name));
             fs::create_dir(&ordinary).unwrap();
@@ -475,7 +481,7 @@ mod tests {
 
         #[cfg(target_os = "linux")]
         #[test]
-        fn open_files_are_appended_to() {
+        fn an_open_file_is_appended_to() {
             use std::os::fd::AsRawFd;
 
             let directory = tempfile::tempdir().unwrap();

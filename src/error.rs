@@ -1,58 +1,61 @@
-//! What can go wrong with files and arguments, each told in one line.
+//! The crate's error type: a file or an argument that cannot be used. Every error prints as one line.
+//!
+//! It depends on nothing else in the crate, so that every floor from `files` up can return it. Users know it as
+//! `tracer::Error`.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A file or an argument that cannot be used. It prints as one line whatever the file held: control characters are
-/// escaped, long text is shortened.
+/// A file or an argument that cannot be used. It always prints as one line: control characters are escaped, and text
+/// quoted from a file is shortened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused, or the disk is full.
-    #[error("cannot {action} {}: {}", shown(.file), escaped(&reason(.source)))]
+    #[error("cannot {action} {}: {}", display(.file), escaped(&reason(.source)))]
     Io {
         /// `read`, `write` or `create`.
         action: &'static str,
-        /// Which file.
+        /// The file.
         file: PathBuf,
-        /// Why not.
+        /// The reason.
         source: io::Error,
     },
-    /// The content of a file makes no sense.
-    #[error("{}{}: {}", shown(.file), .line.map_or_else(String::new, |line| format!(":{line}")), escaped(.message))]
+    /// The content of a file is not valid.
+    #[error("{}{}: {}", display(.file), .line.map_or_else(String::new, |line| format!(":{line}")), escaped(.message))]
     Input {
-        /// Which file.
+        /// The file.
         file: PathBuf,
-        /// In which of its lines, counted from 1, where that is known.
+        /// The line, counted from 1, if it is known.
         line: Option<usize>,
-        /// What is wrong, with the value at fault.
+        /// What was found, with the wrong value, and what was expected.
         message: String,
     },
-    /// Hits that must be identical are not: a bug in this crate, found by comparing checksums.
+    /// Two sets of hits must be identical and are not. This is a bug in this crate; comparing checksums found it.
     #[error("hits differ: {}", escaped(.0))]
     Disagreement(String),
-    /// An argument that names no file makes no sense.
+    /// An argument is not valid.
     #[error("{}: {}", escaped(.argument), escaped(.message))]
     Argument {
-        /// As it was given.
+        /// The argument, as it was given.
         argument: String,
-        /// What is wrong with it, and what would be right.
+        /// What is wrong with it, and what was expected.
         message: String,
     },
 }
 
 impl Error {
-    /// For `map_err` after trying to read `file`.
+    /// Error of reading `file`, for `map_err`.
     pub(crate) fn reading(file: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::io("read", file)
     }
 
-    /// For `map_err` after trying to write `file`.
+    /// Error of writing `file`, for `map_err`.
     pub(crate) fn writing(file: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::io("write", file)
     }
 
-    /// For `map_err` after trying to make a folder.
+    /// Error of creating a folder, for `map_err`.
     #[cfg(feature = "study")]
     pub(crate) fn creating(folder: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::io("create", folder)
@@ -74,26 +77,26 @@ impl Error {
     }
 }
 
-/// Text of a file in quotes, for a message: escaped and shortened to about 60 characters.
+/// Quotes text of a file for a message: escaped, and shortened to about 60 characters.
 pub(crate) fn quoted(text: &[u8]) -> String {
-    const LONGEST: usize = 60;
-    // A character has at most four bytes, so this much is enough; the rest of a line of megabytes is not looked at.
-    let text = &text[..text.len().min(4 * (LONGEST + 1))];
+    const MAX_CHARS: usize = 60;
+    // A line may have megabytes. A character has at most four bytes, so this many bytes are enough.
+    let text = &text[..text.len().min(4 * (MAX_CHARS + 1))];
     let text = escaped(&String::from_utf8_lossy(text));
-    match text.char_indices().nth(LONGEST) {
+    match text.char_indices().nth(MAX_CHARS) {
         Some((end, _)) => format!("\"{}…\"", &text[..end]),
         None => format!("\"{text}\""),
     }
 }
 
-fn shown(file: &Path) -> String {
+fn display(file: &Path) -> String {
     escaped(&file.to_string_lossy())
 }
 
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
-        // Not all are control characters by name, but a terminal may break the line at any of them.
+        // U+2028 and U+2029 are not control characters, but a terminal may break the line at them too.
         if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
             escaped.extend(c.escape_default());
         } else {
@@ -103,7 +106,7 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// The system's words without its error number, which says nothing more.
+/// The system's message without its error number, which adds nothing.
 fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     match error.raw_os_error().and_then(|code| text.strip_suffix(&format!(" (os error {code})"))) {
