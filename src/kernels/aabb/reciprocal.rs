@@ -4,7 +4,7 @@
 //! Algorithm", 2005, in its branch-free form with minimum and maximum.
 //!
 //! **Idea:** one reciprocal per ray and axis turns divisions into multiplications. Minimum and maximum order each
-//! pair of planes, whatever the sign of the direction.
+//! pair of planes, for any sign of the direction.
 //!
 //! **Fails:** on a plane of a slab that the ray runs parallel to. `0·∞` is NaN there, and minimum and maximum return
 //! their second operand. On the upper plane that is the NaN. The accumulators drop it, and the ray hits, as it

@@ -64,8 +64,8 @@ impl Columns<f32x8> {
     }
 }
 
-/// The twins of a method. One ray by one transform (`L = f32`), or eight rays by one transform or by eight (`L =
-/// f32x8`).
+/// The twins of a method. One ray by one transform (`L = f32`), or eight rays by one transform or by eight
+/// (`L = f32x8`).
 pub trait RayTransform<L: Lanes>: Copy {
     /// The ray in the object's space.
     fn ray_to_object(&self, ray: &Ray<L>) -> Ray<L>;

@@ -178,7 +178,7 @@ pub struct Approach<L: Lanes> {
     to_closest: L::Vec3,
     /// `dir / unit`.
     dir: L::Vec3,
-    /// A power of two near the magnitude of `dir`. Dividing by it rounds nothing, and squares neither overflow nor
+    /// A power of two near the magnitude of `dir`. Dividing by it rounds nothing, and squares do not overflow or
     /// underflow.
     unit: L,
     /// `1 / unit`.

@@ -8,8 +8,8 @@
 //! **Differs from the paper:** the paper takes a coordinate axis as the third direction. That saves one column and
 //! needs a branch on the axis. Here the third direction is the normal: all 12 numbers are stored, and nothing
 //! branches. With the normal, an error of the point off the plane changes `u` and `v` as little as possible. The map
-//! is computed in `f64` and rounded once. The third row is scaled to a largest component of 1, so it neither
-//! overflows nor underflows.
+//! is computed in `f64` and rounded once. The third row is scaled to a largest component of 1, so it does
+//! not overflow or underflow.
 //!
 //! **Fails:** the constants of the three rows grow with the triangle's distance from the origin of coordinates, and
 //! the sums with them cancel. Far from the origin `u`, `v` and `t` lose digits. Methods that subtract first lose none
@@ -29,8 +29,8 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
-    /// Triangles for the Baldwin–Weber test: the map from the world to the triangle, row by row. `u(p) = u_row·p +
-    /// u0`, `v` likewise; `n_row` and `n0` give the height over the plane.
+    /// Triangles for the Baldwin–Weber test: the map from the world to the triangle, row by row. `u(p) = u_row·p + u0`,
+    /// `v` likewise; `n_row` and `n0` give the distance from the plane, up to a factor.
     pub struct BaldwinWeber<P: Lanes> {
         u_row: P::Vec3,
         u0: P,

@@ -1,6 +1,6 @@
 //! Triangles. A hit satisfies `origin + t·dir = v0 + u·(v1 - v0) + v·(v2 - v0)`: three equations with three unknowns.
-//! `u` and `v` are the textbook's barycentrics β and γ. Both sides hit. Edges and vertices belong to the triangle (`u
-//! >= 0`, `v >= 0`, `u + v <= 1`). The header of each kernel says what becomes of that under rounding.
+//! `u` and `v` are the textbook's barycentrics β and γ. Both sides hit. Edges and vertices belong to the triangle
+//! (`u >= 0`, `v >= 0`, `u + v <= 1`). The header of each kernel says what becomes of that under rounding.
 //!
 //! A scalar twin returns as soon as it knows that the ray misses, and most rays do. A packet twin runs to the end: a
 //! branch on eight different rays cannot be predicted. With such a branch, packets ran at 0.49 to 0.73 times the

@@ -2,8 +2,8 @@
 //!
 //! **Source:** T. Möller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
 //!
-//! **Idea:** Cramer's rule, with the four determinants factored through two cross products, `dir × e2` and `(origin -
-//! v0) × e1`, and with a single division.
+//! **Idea:** Cramer's rule, with the four determinants factored through two cross products, `dir × e2` and
+//! `(origin - v0) × e1`, and with a single division.
 //!
 //! **Differs from the paper:** both edges are prepared. Both sides hit. One ray exits early, in one place; a packet
 //! never does. There is no epsilon on the determinant: it would lose small triangles. The reciprocal of the
