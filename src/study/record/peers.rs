@@ -94,8 +94,9 @@ pub struct TargetRow {
     pub most: Option<f64>,
     /// A more ambitious ratio, not required.
     pub aim: Option<f64>,
-    /// The measured ratio. With `least`, it is rays per second of raylanes in mode auto over those of `peer`: the median
-    /// of the ratios of all rounds. With `most`, it is the growth of the time per ray. `null` if no peer took part.
+    /// The measured ratio. With `least`, it is rays per second of raylanes in mode auto over those of `peer`: the
+    /// median of the ratios of all rounds. With `most`, it is the growth of the time per ray. `null` if no peer took
+    /// part.
     pub ratio: Option<f64>,
     /// Median absolute deviation of the ratios.
     pub ratio_mad: Option<f64>,
