@@ -8,7 +8,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use raylanes::geom::Hit;
 use raylanes::kernels::Kernel;
 use raylanes::registry::{self, Visitor};
-use raylanes::study::speed::{Bench, Face, PRIMITIVES, RAYS};
+use raylanes::study::speed::{Bench, PRIMITIVES, RAYS, Width};
 use raylanes::study::workload::{Subject, Workload};
 
 struct Benches<'a>(&'a mut Criterion);
@@ -19,10 +19,10 @@ impl<S: Subject> Visitor<S> for Benches<'_> {
             let mut group = self.0.benchmark_group(format!("{}/{}", K::INFO.id, workload.name()));
             group.throughput(Throughput::Elements((RAYS * PRIMITIVES) as u64));
             let bench = Bench::<K>::new(workload, 2026);
-            for face in Face::ALL {
+            for width in Width::ALL {
                 let mut hits = vec![Hit::MISS; RAYS];
-                group.bench_function(face.name(), |timer| {
-                    timer.iter(|| black_box(&bench).pass(face, black_box(&mut hits)));
+                group.bench_function(width.name(), |timer| {
+                    timer.iter(|| black_box(&bench).pass(width, black_box(&mut hits)));
                 });
             }
         }

@@ -1,8 +1,9 @@
-//! Whole pictures: built-in scenes × every triangle kernel × mode × one and two threads, closest hit and any hit.
+//! Traces whole pictures: built-in scenes × every triangle kernel × mode × one and two threads, closest hit and any
+//! hit.
 //!
-//! Modes differ by how they walk the tree, which is the same for all kernels: all four are run for the watertight default
-//! and for Möller–Trumbore, single and auto alone for the others. CI runs everything once, and would take nearly twice as
-//! long to learn nothing.
+//! Modes differ in how they walk the tree, and the walk is the same for all kernels. So all four modes run only for the
+//! watertight default kernel and for Möller–Trumbore; the other kernels run in modes single and auto. CI runs
+//! everything once, and would take nearly twice as long with all modes.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use raylanes::geom::{Ray, Triangle};
@@ -30,7 +31,7 @@ impl Visitor<Triangle> for Pictures<'_> {
         let modes = if every_mode { &Mode::ALL[..] } else { &[Mode::Single, Mode::Auto] };
         group.throughput(Throughput::Elements(self.rays.len() as u64));
         for threads in [1, 2] {
-            let pool = thread_pool(threads).expect("two threads are not many");
+            let pool = thread_pool(threads).expect("a pool of two threads can be made");
             for &mode in modes {
                 for any_hit in [false, true] {
                     let what = if any_hit { "any_hit" } else { "closest_hit" };
@@ -45,8 +46,8 @@ impl Visitor<Triangle> for Pictures<'_> {
 
 fn pictures(criterion: &mut Criterion) {
     for name in ["room", "terrain:1e5", "sphere"] {
-        let source = SceneSource::parse(name).expect("a built-in scene");
-        let LoadedScene { world, view, .. } = source.load().expect("built-in scenes need no file");
+        let source = SceneSource::parse(name).expect("this is a built-in scene");
+        let LoadedScene { world, view, .. } = source.load().expect("a built-in scene needs no file");
         let rays = view.camera(SIZE, SIZE).rays(SIZE, SIZE);
         registry::triangles(&mut Pictures { criterion: &mut *criterion, name, world: &world, rays: &rays });
     }

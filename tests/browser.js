@@ -1,4 +1,4 @@
-// Runs within the page, in a frame, and tells the page around it what is wrong.
+// Runs in the page, inside a frame, and reports errors to the page around it.
 "use strict";
 addEventListener("load", () => {
   const wrong = [];
@@ -12,11 +12,13 @@ addEventListener("load", () => {
       return width < 100 || height < 100;
     });
     expect(!empty.length, `${empty.length} drawings without a size`);
-    const beyond = [...document.querySelectorAll("body *")].filter((element) => element.getBoundingClientRect().right > innerWidth);
+    const isBeyond = (element) => element.getBoundingClientRect().right > innerWidth;
+    const beyond = [...document.querySelectorAll("body *")].filter(isBeyond);
     const widest = beyond.find((element) => !element.closest(".table, .chart"))?.outerHTML.slice(0, 100);
     expect(root.scrollWidth <= innerWidth, `wider than the window: ${root.scrollWidth} of ${innerWidth}, ${widest}`);
     expect(drawings[0].getAttribute("aria-label").length > 10, "no label");
-    expect(document.querySelector("nav details").open === innerWidth >= 1024, "contents are not folded as the width asks");
+    const isOpen = document.querySelector("nav details").open;
+    expect(isOpen === innerWidth >= 1024, "the contents must be open in wide windows only");
 
     const pointAt = (mark, share) => {
       mark.scrollIntoView({ block: "center" });
@@ -29,31 +31,31 @@ addEventListener("load", () => {
       expect(within, `no tip within the window: ${[left, top, right, bottom]}`);
       return tip.textContent;
     };
-    // A mark by its drawing, and what its tip must say: a line of its own, or one with others whose figures are the same.
-    // More lines tell of the marks that happen to lie within a few pixels.
+    // What the tips of some marks must say. Marks with the same figures share a line of the tip. Marks within a few
+    // pixels add lines.
     const all = [...document.querySelectorAll(".hover > *")];
     const says = (what) => all.find((mark) => what.test(mark.dataset.title ?? mark.textContent));
     for (const what of [
       /^triangle\/\w+, packet of 8 rays: [\d,.]+ ± [\d,.]+ M tests\/s, error of t [\d,.]+ ulp, leaks /m,
       /^quadric\/\w+, 1 ray: [\d,.]+ ± [\d,.]+ M tests\/s/m,
-      /^aabb\/\w+.*, 1 ray or 8, at 1e-\d: lost [\d,.]+( \(< [\d.,]+\))? per million, n = \d/m,
+      /^aabb\/\w+.*, scalar and packet, at 1e-\d: lost [\d,.]+( \(< [\d.,]+\))? per million, n = \d/m,
       /^(\w+, )*packet, (\w+, )*jitter 0.1: [\d,.]+ M rays\/s$/m,
     ]) {
       const mark = says(what);
       expect(mark && what.test(pointAt(mark, 0.5)), `no tip ${what}`);
       const others = [...(mark?.ownerSVGElement.querySelectorAll("svg > g[data-of]") ?? [])];
       const meant = mark?.dataset.of.split(" ");
-      const right = others.every((group) => (getComputedStyle(group).opacity < 1) !== meant.includes(group.dataset.of));
-      expect(others.length && right, "others are not dimmed, or the same are");
+      const isRight = (group) => (getComputedStyle(group).opacity < 1) !== meant.includes(group.dataset.of);
+      expect(others.length && others.every(isRight), "other series are not dimmed, or the same one is");
     }
-    const map = says(/^triangle\/\w+, 1 ray or 8, cells by the error of t: .+: \d+/);
+    const map = says(/^triangle\/\w+, scalar and packet, number of cells by error of t: .+: \d+/);
     const cells = [0.01, 0.99].map((share) => pointAt(map, share));
     expect(/\n→ .+: \S+\n↑ .+: \S+\n.+/.test(cells[0]) && cells[0] !== cells[1], `cells: ${cells}`);
 
     document.body.dispatchEvent(new PointerEvent("pointerover", { bubbles: true }));
-    expect(document.getElementById("tip").hidden && !document.querySelector(".pointed"), "the tip stays");
+    expect(document.getElementById("tip").hidden && !document.querySelector(".pointed"), "the tip does not disappear");
     map.ownerSVGElement.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight", bubbles: true }));
-    expect(!document.getElementById("tip").hidden, "no tip for keys");
+    expect(!document.getElementById("tip").hidden, "no tip for the arrow keys");
   } catch (error) {
     wrong.push(`error: ${error.message}`);
   }

@@ -1,5 +1,5 @@
-//! The report as one page, in a real browser: everything is drawn, fits, and answers to the pointer, and nothing is loaded.
-//! Without Chromium there is nothing to see, unless `RAYLANES_REQUIRE_BROWSER` says that there must be.
+//! Tests `report.html` in a real browser: all charts are drawn and fit, tooltips appear under the pointer, and nothing
+//! is loaded. Without Chromium the test is skipped, or fails if `RAYLANES_REQUIRE_BROWSER` is set.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -10,23 +10,24 @@ use raylanes::tracer::SceneSource;
 
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// `CHROME`, or the first of [`NAMES`] in the path.
+/// The browser: the file that `CHROME` names, or the first of [`NAMES`] in the path.
 fn browser() -> Option<PathBuf> {
     let folders = env::var_os("PATH").unwrap_or_default();
     let named = env::split_paths(&folders).flat_map(|folder| NAMES.map(|name| folder.join(name)));
     env::var_os("CHROME").map(PathBuf::from).or_else(|| named.into_iter().find(|file| file.is_file()))
 }
 
-/// What the script in the page finds wrong in a window that wide, or `ok`.
+/// The errors that the script in the page finds in a window of this width, or `ok`.
 fn verdict(browser: &Path, page: &str, width: u32) -> String {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, content: &str| std::fs::write(folder.path().join(name), content).unwrap();
     write("page.html", page);
-    // Windows may have a least width, frames have none.
+    // A browser window may have a minimum width. A frame has none.
     write(
         "frame.html",
         &format!(
-            "<iframe src=\"page.html\" style=\"width: {width}px; height: 800px; border: 0\"></iframe><pre id=\"verdict\"></pre>
+            "<iframe src=\"page.html\" style=\"width: {width}px; height: 800px; border: 0\"></iframe>
+             <pre id=\"verdict\"></pre>
              <script>onmessage = event => document.getElementById('verdict').textContent = event.data</script>"
         ),
     );
@@ -47,10 +48,10 @@ fn verdict(browser: &Path, page: &str, width: u32) -> String {
 }
 
 #[test]
-fn the_page_is_drawn_fits_and_answers_to_the_pointer() {
+fn the_page_is_drawn_fits_the_window_and_shows_tooltips() {
     let Some(browser) = browser() else {
-        assert!(env::var_os("RAYLANES_REQUIRE_BROWSER").is_none(), "no browser in the path nor in CHROME");
-        println!("skipped: no browser in the path nor in CHROME");
+        assert!(env::var_os("RAYLANES_REQUIRE_BROWSER").is_none(), "no browser in the path or in CHROME");
+        println!("skipped: no browser in the path or in CHROME");
         return;
     };
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
@@ -59,7 +60,7 @@ fn the_page_is_drawn_fits_and_answers_to_the_pointer() {
     let folder = tempfile::tempdir().unwrap();
     study::write(&record, folder.path()).unwrap();
     let report = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    // First, so that no error comes before it.
+    // This script comes first in the page, so that it sees every error.
     let (head, body) = report.split_once("<body>").unwrap();
     let watch = "<script>window.errors = []; addEventListener('error', event => errors.push(event.message));
         addEventListener('securitypolicyviolation', event => errors.push(`refused: ${event.blockedURI}`));</script>";
@@ -68,12 +69,12 @@ fn the_page_is_drawn_fits_and_answers_to_the_pointer() {
     for width in [1280, 400] {
         assert_eq!(verdict(&browser, &page, width), "ok", "{width} pixels wide");
     }
-    // The test sees what it is there to see.
+    // Each of these changes breaks the page, and the test must notice it.
     for (from, to, complaint) in [
         ("</main>", "<img src=\"elsewhere.png\"></main>", "loaded or refused"),
         ("</main>", "<div style=\"width: 3000px\">wide</div></main>", "wider than the window"),
         ("tip.hidden = false;", "", "no tip"),
-        ("opacity: .15", "", "others are not dimmed"),
+        ("opacity: .15", "", "other series are not dimmed"),
         ("<svg role", "<svg style=\"display: none\" role", "drawings without a size"),
         ("\"use strict\";", "\"use strict\"; nowhere();", "nowhere is not defined"),
     ] {

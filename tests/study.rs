@@ -1,4 +1,4 @@
-//! The study covers every registered kernel, and kernels keep what they claim.
+//! Tests that the study covers every registered kernel, and that kernels keep their claims.
 
 use std::collections::BTreeSet;
 
@@ -23,16 +23,16 @@ impl<S: Shape> Visitor<S> for Ids {
     }
 }
 
-/// What the regimes of the kernel of this ID are listed under.
+/// The title under which the regimes of this kernel are listed.
 fn title_of(id: &str) -> String {
     match id.split('/').collect::<Vec<_>>()[..] {
         ["instance", _, inner, _] => format!("instance of {inner}"),
         [family, _] => family.into(),
-        _ => panic!("{id} is no ID"),
+        _ => panic!("{id} is not a kernel ID"),
     }
 }
 
-/// How many steps and maps the kernels listed under this title go through.
+/// The numbers of regime steps and of failure maps under this title.
 fn extent_of(title: &str) -> [usize; 2] {
     fn of<S: Subject>() -> [usize; 2] {
         [S::REGIMES.iter().map(|regime| regime.steps.len()).sum(), S::MAPS.len()]
@@ -44,7 +44,7 @@ fn extent_of(title: &str) -> [usize; 2] {
         "instance of triangle" => of::<Placed<Triangle>>(),
         "instance of aabb" => of::<Placed<Aabb>>(),
         "instance of quadric" => of::<Placed<Quadric>>(),
-        other => panic!("which regimes are listed under {other}?"),
+        other => panic!("no regimes are listed under {other}"),
     }
 }
 
@@ -57,8 +57,9 @@ fn every_kernel_is_measured_and_charted() {
     registry::all(&mut ids);
     for id in &ids.0 {
         assert_eq!(record.methods.iter().filter(|row| row.id == *id).count(), 1, "{id}");
-        at_a_glance(&record, id);
-        // Three faces, one and two threads; two workloads without steps.
+        summary_is_consistent(&record, id);
+        // Speed: three widths, with one and two threads. Accuracy: two workloads without steps, and the steps of the
+        // regimes.
         let [steps, maps] = extent_of(&title_of(id));
         assert_eq!(record.speed.iter().filter(|row| row.id == *id).count(), 6, "{id}");
         assert_eq!(record.accuracy.iter().filter(|row| row.id == *id).count(), 2 + steps, "{id}");
@@ -88,13 +89,16 @@ fn every_kernel_is_measured_and_charted() {
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
     assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
     tracer_is_measured(&record);
-    // The same rays, our modes, and seven configurations of three crates.
+    // Four sets of rays, traced by our four modes and by seven configurations of three crates.
     assert_eq!(record.peers.len(), if cfg!(feature = "peers") { 4 * (4 + 7) } else { 0 });
 
     let folder = std::env::temp_dir().join(format!("raylanes-study-{}", std::process::id()));
     study::write(&record, &folder).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    assert!(serde_json::from_str::<Record>(&read("results.json")).unwrap() == record, "JSON loses something");
+    assert!(
+        serde_json::from_str::<Record>(&read("results.json")).unwrap() == record,
+        "the record must survive JSON unchanged"
+    );
     let (report, chart) = (read("report.md"), read("speed-accuracy.svg"));
     assert_eq!(report.contains("\n## Peers\n"), cfg!(feature = "peers"));
     for id in &ids.0 {
@@ -104,23 +108,23 @@ fn every_kernel_is_measured_and_charted() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Each face of a kernel has a row of figures that agree with each other.
-fn at_a_glance(record: &Record, id: &str) {
+/// Each width of a kernel has a summary row, and its figures are consistent.
+fn summary_is_consistent(record: &Record, id: &str) {
     let rows: Vec<_> = record.kernels.iter().filter(|row| row.id == id).collect();
-    assert_eq!(rows.iter().map(|row| row.face.as_str()).collect::<Vec<_>>(), ["1x1", "8x1", "1x8"], "{id}");
+    assert_eq!(rows.iter().map(|row| row.width.as_str()).collect::<Vec<_>>(), ["1x1", "8x1", "1x8"], "{id}");
     for row in rows {
         assert!(row.t_ulp_p50 <= row.t_ulp_p99 && row.t_ulp_p99 <= row.t_ulp_max, "{row:?}");
         assert!(row.t_ulp_max.is_some() && row.false_miss_per_million.is_some() && row.false_hit_per_million.is_some());
         assert_eq!(row.leak_per_million.is_some(), row.shape == "triangle", "{row:?}");
-        // How great it is says nothing here: other tests run at the same time.
+        // The size of the share says nothing here: other tests run at the same time.
         assert_eq!(row.limit_share, row.limit_ns.map(|limit| limit / row.ns_per_test), "{row:?}");
-        assert!((row.width == 8) == row.limit_share.is_some_and(|share| share > 0.0), "{row:?}");
+        assert!((row.lanes == 8) == row.limit_share.is_some_and(|share| share > 0.0), "{row:?}");
     }
     let hits: Vec<f64> = record.speed.iter().filter(|row| row.id == id).map(|row| row.hit_share).collect();
     assert!(hits.iter().all(|&share| share > 0.0 && share < 1.0), "{id}: {hits:?}");
 }
 
-/// Every way of tracing the one scene, the same rays ever less alike, and ever more triangles.
+/// The tracer is measured in every mode, on every jitter, and in every size of the landscape.
 fn tracer_is_measured(record: &Record) {
     // Four sets of rays, four modes, one and two threads.
     assert_eq!(record.tracer.len(), 32);
@@ -137,7 +141,7 @@ fn tracer_is_measured(record: &Record) {
             assert!(of_modes.iter().all(|sum| *sum == of_modes[0]), "{scene} {jitter}");
             checksums.extend(of_modes);
         }
-        assert_eq!(checksums.len(), JITTERS.len(), "{scene}: other rays have other hits");
+        assert_eq!(checksums.len(), JITTERS.len(), "{scene}: rays with another jitter must have other hits");
     }
     assert_eq!(record.coherence.len(), 2 * JITTERS.len() * Mode::ALL.len());
     assert!(record.coherence.iter().all(|row| row.ray_count == 64 * 64 && row.lanes <= 8 * row.tests));
@@ -147,8 +151,8 @@ fn tracer_is_measured(record: &Record) {
     assert!(record.scaling.iter().all(|row| row.ns_per_ray > 0.0 && row.hits > 0 && row.bytes_per_triangle > 0.0));
 }
 
-/// Holds the kernels of a shape to their claims, and sees every other kernel break them: a promise that everyone could
-/// make would be no information.
+/// Checks that the kernels of a shape keep their claims, and that every other kernel breaks them: a claim that every
+/// kernel could make would tell nothing.
 fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
     let kernels = Kernels::<S>::registered();
     let mut rows: Vec<AccuracyRow> =
@@ -160,19 +164,21 @@ fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
     let mut failures = Vec::new();
     for ClaimRow { id, claim, claimed, violations, of } in &judged {
         println!("{id}, {claim}: claimed: {claimed}, broken by {violations} of {of} rays");
-        assert!(*of > 100_000, "{id} {claim}: {of} rays are few");
+        assert!(*of > 100_000, "{id} {claim}: {of} rays are too few");
         match (claimed, violations) {
             (true, 1..) => {
-                failures.push(format!("{id} claims to be {claim}, and is not for {violations} of {of} rays"));
+                failures.push(format!("{id} claims to be {claim}, but {violations} of {of} rays break that"));
             }
-            (false, 0) => failures.push(format!("{id} does not claim to be {claim}, and is for all {of} rays")),
+            (false, 0) => {
+                failures.push(format!("{id} does not claim to be {claim}, but none of {of} rays breaks that"));
+            }
             _ => {}
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
     let claims: BTreeSet<&str> = judged.iter().map(|row| row.claim.as_str()).collect();
     for claim in claims {
-        assert!(judged.iter().any(|row| row.claim == claim && row.claimed), "nobody claims {claim}");
+        assert!(judged.iter().any(|row| row.claim == claim && row.claimed), "no kernel claims {claim}");
     }
 }
 

@@ -1,12 +1,12 @@
-//! Embree 4, loaded at run time: the only place in this package that is not safe Rust.
+//! Embree 4, loaded at run time. This is the only file of the package with unsafe code.
 //!
-//! S. Woop, C. Benthin, A. T. Áfra, I. Wald, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014. The declarations
-//! follow `include/embree4/rtcore_*.h`.
+//! S. Woop, C. Benthin, A. T. Áfra, I. Wald, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014. The
+//! declarations follow `include/embree4/rtcore_*.h`.
 //!
-//! What the unsafe code rests on: the library is what its name says, of major version 4; every pointer that it is given lives
-//! for the call, is aligned as its headers demand and points to the declared layout (asserted below); a committed scene may be
-//! traced from any thread.
-#![allow(unsafe_code, reason = "a C library can be called in no other way")]
+//! The unsafe code relies on the following. The library is Embree, major version 4. Every pointer passed to it lives
+//! for the whole call, has the alignment that the headers demand, and points to the declared layout (asserted below). A
+//! committed scene may be traced from any thread.
+#![allow(unsafe_code, reason = "a C library can only be called by unsafe code")]
 
 use std::ffi::{c_char, c_void};
 use std::fmt;
@@ -49,7 +49,7 @@ struct RtcRay {
     flags: u32,
 }
 
-/// `RTCHit`; the last field is there or not, as the library was built, and not looked at.
+/// `RTCHit`. The last field exists only in some builds of the library. It is not read.
 #[repr(C, align(16))]
 struct RtcHit {
     normal: [f32; 3],
@@ -68,7 +68,7 @@ struct RtcRayHit {
     hit: RtcHit,
 }
 
-/// `RTCRay8` and `RTCRay16`, of which the latter is the more strictly aligned.
+/// `RTCRay8` and `RTCRay16`. The alignment is that of `RTCRay16`, which is the stricter one.
 #[repr(C, align(64))]
 struct RtcRays<const N: usize> {
     origin: [[f32; N]; 3],
@@ -100,11 +100,11 @@ struct RtcRayHits<const N: usize> {
     hits: RtcHits<N>,
 }
 
-/// Which rays of a packet are to be traced: -1, else 0.
+/// Which rays of a packet to trace: -1 to trace, 0 to skip.
 #[repr(C, align(64))]
 struct Valid<const N: usize>([i32; N]);
 
-/// `RTCIntersectArguments` and `RTCOccludedArguments`; the last field is there or not, as the library was built.
+/// `RTCIntersectArguments` and `RTCOccludedArguments`. The last field exists only in some builds of the library.
 #[repr(C)]
 struct RtcArguments {
     flags: u32,
@@ -115,7 +115,7 @@ struct RtcArguments {
     min_width_distance_factor: f32,
 }
 
-// Offsets of the C compiler's layout, in bytes.
+// The layout of the C compiler: sizes and offsets in bytes.
 const _: () = {
     assert!(size_of::<RtcRay>() == 48 && align_of::<RtcRayHit>() == 16 && size_of::<RtcRayHit>() == 96);
     assert!(offset_of!(RtcRay, t_near) == 12 && offset_of!(RtcRay, dir) == 16 && offset_of!(RtcRay, t_far) == 32);
@@ -138,7 +138,7 @@ type MemoryMonitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
 type Query1<R> = unsafe extern "C" fn(Handle, *mut R, *mut RtcArguments);
 type QueryN<R> = unsafe extern "C" fn(*const i32, Handle, *mut R, *mut RtcArguments);
 
-/// Declares the functions in use, and how to find them all.
+/// Declares the functions that are used, and code that loads them all.
 macro_rules! api {
     ($($name:ident: $symbol:literal, $type:ty;)*) => {
         struct Api {
@@ -147,9 +147,9 @@ macro_rules! api {
 
         impl Api {
             fn new(library: Library) -> Result<Self, libloading::Error> {
-                // Safe for the functions of this name in Embree 4.
+                // SAFETY: these are the types of the functions of these names in Embree 4.
                 let api = unsafe { Self { $($name: *library.get::<$type>($symbol)?,)* } };
-                // It stays loaded: its threads may outlive the last device.
+                // The library stays loaded, because its threads may outlive the last device.
                 std::mem::forget(library);
                 Ok(api)
             }
@@ -181,25 +181,26 @@ api! {
     occluded16: c"rtcOccluded16", QueryN<RtcRays<16>>;
 }
 
-/// The library.
+/// The loaded library.
 pub(crate) struct Embree {
     api: Arc<Api>,
-    /// As the library tells it.
+    /// Version, as reported by the library.
     pub(crate) version: String,
-    /// Whether it traces sixteen rays at once, and not two times eight.
+    /// Whether it traces sixteen rays natively, and not as two times eight.
     pub(crate) native16: bool,
 }
 
 impl Embree {
-    /// The library that the environment variable `EMBREE_LIB` names, or else the system's; `None` if there is none.
+    /// Loads the library that the environment variable `EMBREE_LIB` names, or else the system's. `None` if there is
+    /// none.
     ///
     /// # Errors
-    /// If `EMBREE_LIB` names something else.
+    /// If `EMBREE_LIB` is set but is not the path of a usable Embree 4.
     pub(crate) fn load() -> Result<Option<Self>, Error> {
         if let Some(path) = std::env::var_os("EMBREE_LIB") {
             let bad = |message: String| Error::Argument {
                 argument: format!("EMBREE_LIB={}", path.display()),
-                message: format!("not a library of Embree 4: {message}"),
+                message: format!("expected the path of an Embree 4 library: {message}"),
             };
             return Self::open(Path::new(&path)).map(Some).map_err(bad);
         }
@@ -208,16 +209,16 @@ impl Embree {
     }
 
     fn open(path: &Path) -> Result<Self, String> {
-        // Loading runs the library's initialisers: whoever names it vouches for it.
+        // SAFETY: loading runs the library's initialisers. Whoever names the library trusts it.
         let library = unsafe { Library::new(path) }.map_err(|error| reason(&error))?;
         let api = Arc::new(Api::new(library).map_err(|error| reason(&error))?);
-        let device = Device::new(&api).ok_or("it makes no device")?;
+        let device = Device::new(&api).ok_or("it cannot create a device")?;
         let property = |number| unsafe { (api.device_property)(device.handle, number) };
         let [major, minor, patch] =
             [PROPERTY_VERSION_MAJOR, PROPERTY_VERSION_MINOR, PROPERTY_VERSION_PATCH].map(property);
         let version = format!("{major}.{minor}.{patch}");
         if major != 4 {
-            return Err(format!("it is version {version}"));
+            return Err(format!("expected version 4, found {version}"));
         }
         let native16 = property(PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
         drop(device);
@@ -225,12 +226,12 @@ impl Embree {
     }
 }
 
-/// What the system says about it, which libloading keeps to itself.
+/// The message of the operating system, which libloading does not print.
 fn reason(error: &libloading::Error) -> String {
     std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }
 
-/// A device, and how many bytes it holds.
+/// A device, and the number of bytes that it holds.
 struct Device {
     api: Arc<Api>,
     handle: Handle,
@@ -244,7 +245,7 @@ impl Device {
             return None;
         }
         unsafe extern "C" fn monitor(count: *mut c_void, bytes: isize, _post: bool) -> bool {
-            // It is the counter below, which outlives the device.
+            // SAFETY: `count` points to the counter below, which outlives the device.
             unsafe { &*count.cast::<AtomicIsize>() }.fetch_add(bytes, Ordering::Relaxed);
             true
         }
@@ -269,7 +270,7 @@ pub(crate) enum Quality {
     High = 2,
 }
 
-/// Calls and their flags.
+/// How many rays a call traces, and with which flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Calls {
     /// One ray per call.
@@ -304,7 +305,7 @@ pub(crate) struct Scene {
     pub(crate) build_seconds: f64,
 }
 
-// A committed scene is only read.
+// SAFETY: a committed scene is only read.
 unsafe impl Send for Scene {}
 unsafe impl Sync for Scene {}
 
@@ -312,7 +313,7 @@ impl Scene {
     /// Builds a tree over the mesh, with all of Embree's threads.
     ///
     /// # Errors
-    /// If the library reports one.
+    /// If the library reports an error.
     pub(crate) fn new(embree: &Embree, mesh: &Mesh, robust: bool, quality: Quality) -> Result<Self, Error> {
         let api = &embree.api;
         let failed = |code: u32| Error::Argument {
@@ -327,14 +328,14 @@ impl Scene {
             (api.set_scene_quality)(handle, quality as u32);
             let geometry = (api.new_geometry)(device.handle, GEOMETRY_TYPE_TRIANGLE);
             let points = mesh.positions();
-            let room = (api.new_buffer)(geometry, BUFFER_TYPE_VERTEX, 0, FORMAT_FLOAT3, 12, points.len());
-            if !room.is_null() {
-                points.as_ptr().cast::<[f32; 3]>().copy_to_nonoverlapping(room.cast(), points.len());
+            let buffer = (api.new_buffer)(geometry, BUFFER_TYPE_VERTEX, 0, FORMAT_FLOAT3, 12, points.len());
+            if !buffer.is_null() {
+                points.as_ptr().cast::<[f32; 3]>().copy_to_nonoverlapping(buffer.cast(), points.len());
             }
             let triangles = mesh.triangles();
-            let room = (api.new_buffer)(geometry, BUFFER_TYPE_INDEX, 0, FORMAT_UINT3, 12, triangles.len());
-            if !room.is_null() {
-                triangles.as_ptr().copy_to_nonoverlapping(room.cast(), triangles.len());
+            let buffer = (api.new_buffer)(geometry, BUFFER_TYPE_INDEX, 0, FORMAT_UINT3, 12, triangles.len());
+            if !buffer.is_null() {
+                triangles.as_ptr().copy_to_nonoverlapping(buffer.cast(), triangles.len());
             }
             (api.commit_geometry)(geometry);
             (api.attach_geometry)(handle, geometry);
@@ -349,7 +350,7 @@ impl Scene {
         }
     }
 
-    /// What the library holds for it: mesh and tree.
+    /// Bytes that the library holds for the scene: mesh and tree.
     pub(crate) fn bytes(&self) -> usize {
         self.device.bytes.load(Ordering::Relaxed).unsigned_abs()
     }
@@ -361,7 +362,7 @@ impl Drop for Scene {
     }
 }
 
-/// A scene, and how it is called.
+/// A scene, and the calls that trace it.
 pub(crate) struct Caller {
     pub(crate) scene: Arc<Scene>,
     pub(crate) calls: Calls,
@@ -397,10 +398,11 @@ fn arguments(coherent: bool) -> RtcArguments {
     }
 }
 
-/// Of an any-hit ray there is only whether it hits.
+/// The hit of an any-hit ray: only the mask matters.
 const ANY: Hit<f32> = Hit { mask: true, t: 0.0, u: 0.0, v: 0.0, primitive: 0, instance: 0 };
 
-/// Whether Embree has marked a ray as occluded. Looks at bits, since floats are not to be computed with in between.
+/// Whether Embree has marked a ray as occluded. Compares bits, because no floats are computed between the calls of
+/// Embree (see [`FlushDenormals`]).
 fn is_occluded(t_far: f32) -> bool {
     t_far.to_bits() == f32::NEG_INFINITY.to_bits()
 }
@@ -446,7 +448,7 @@ impl Scene {
         }
     }
 
-    /// Traces rays in packets of N, as structure of arrays.
+    /// Traces rays in packets of N, as a structure of arrays.
     fn packets<const N: usize>(
         &self,
         (intersect, occluded): (QueryN<RtcRayHits<N>>, QueryN<RtcRays<N>>),
@@ -510,7 +512,7 @@ impl Scene {
 }
 
 impl<const N: usize> RtcRays<N> {
-    /// Puts up to eight rays into the lanes from `first` on.
+    /// Writes up to eight rays into the lanes from `first` on.
     fn load(&mut self, first: usize, rays: &[Ray<f32>]) {
         let row = |ray: &Ray<f32>| {
             let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin.to_array(), ray.dir.to_array());
@@ -540,8 +542,8 @@ impl<const N: usize> RtcRays<N> {
     }
 }
 
-/// While it lives, results and operands too small to be normal count as zero on this thread, as Embree wants it. Between the
-/// calls of Embree floats are only copied.
+/// While this exists, the thread treats denormal operands and results as zero, as Embree's manual asks. Between the
+/// calls of Embree, floats are only copied and not computed with.
 struct FlushDenormals {
     #[cfg(target_arch = "x86_64")]
     before: u32,

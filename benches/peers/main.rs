@@ -1,7 +1,7 @@
-//! This crate beside its peers on the same rays: obvhs, bvh and parry3d, and Embree 4 where its library is found.
+//! Compares this crate with its peers on the same rays: obvhs, bvh and parry3d, and Embree 4 if its library is found.
 //!
-//! `cargo bench --bench peers --features peers -- SCENE… --record reports/peers` writes `peers.json` and `peers.md`; without
-//! arguments the built-in terrain of a million triangles is traced. `--test` sees that everything works.
+//! `cargo bench --bench peers --features peers -- SCENE… --record reports/peers` writes `peers.json` and `peers.md`.
+//! Without a scene, the built-in terrain of a million triangles is traced. `--test` checks that everything works.
 
 mod embree;
 
@@ -34,25 +34,25 @@ struct Arguments {
     /// Width and height of the picture whose rays are traced.
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
-    /// How often every configuration has its turn, after a warm-up.
+    /// Number of rounds after a warm-up; every configuration has one turn in each.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
     /// Triangle kernel of raylanes, by ID or name.
     #[arg(long, value_name = "ID", default_value = "triangle/woop")]
     kernel: String,
-    /// Only configurations whose name contains one of these, and raylanes' scalar mode.
+    /// Run only configurations whose name contains one of these, and raylanes in mode scalar.
     #[arg(long, value_name = "TEXT")]
     only: Vec<String>,
-    /// What bounce and occlusion rays derive from.
+    /// Seed of bounce and occlusion rays.
     #[arg(long, default_value_t = 2026)]
     seed: u64,
-    /// Where peers.json and peers.md go; cargo runs benches in the project's root.
+    /// Write peers.json and peers.md into this folder, relative to the project's root.
     #[arg(long, value_name = "DIR")]
     record: Option<PathBuf>,
-    /// A small scene and picture, one round: to see that everything works.
+    /// Check that everything works: a small scene and picture, one round.
     #[arg(long)]
     test: bool,
-    /// What cargo passes on.
+    /// Accepted because cargo passes it.
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -73,28 +73,28 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Error> {
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let scenes = arguments.scenes.iter().map(|text| Shown::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let scenes = arguments.scenes.iter().map(|text| SceneArgument::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let no_kernel = || Error::Argument {
         argument: arguments.kernel.clone(),
-        message: "no such triangle kernel: `raylanes list` shows them".into(),
+        message: "no such triangle kernel; `raylanes list` shows all".into(),
     };
     let kernel = registry::with_kernel::<Triangle, _>(&arguments.kernel, IdOf).ok_or_else(no_kernel)?;
     let embree = Embree::load()?;
     if embree.is_none() {
-        eprintln!("note: no library of Embree 4 was found; EMBREE_LIB may name one");
+        eprintln!("note: Embree 4 was not found; set EMBREE_LIB to the path of its library");
     }
     if let Some(warning) = build_warning() {
         eprintln!("note: {warning}");
     }
-    // Cheap errors first: this takes its time.
+    // Find errors of the file system first: the measurement takes a while.
     if let Some(folder) = &arguments.record {
         make_folder(folder)?;
     }
     let pools = [1, 2].map(pinned_pool);
     let mut rows = Vec::new();
-    for shown in &scenes {
-        let loaded = shown.load()?;
-        let task = Compare { arguments, name: shown.source.name(), loaded, embree: embree.as_ref(), pools: &pools };
+    for scene in &scenes {
+        let loaded = scene.load()?;
+        let task = Compare { arguments, name: scene.source.name(), loaded, embree: embree.as_ref(), pools: &pools };
         rows.extend(registry::with_kernel::<Triangle, _>(&arguments.kernel, task).ok_or_else(no_kernel)??);
     }
     let mut machine = peers::machine();
@@ -133,13 +133,13 @@ impl Task<Triangle> for IdOf {
     }
 }
 
-/// A scene, and from where it is seen if not as it says itself.
-struct Shown {
+/// A scene, and a camera that replaces the scene's own.
+struct SceneArgument {
     source: SceneSource,
     camera: Option<(Vec3, Vec3)>,
 }
 
-impl Shown {
+impl SceneArgument {
     fn parse(text: &str) -> Result<Self, Error> {
         let Some((scene, camera)) = text.rsplit_once('@') else {
             return Ok(Self { source: SceneSource::parse(text)?, camera: None });
@@ -157,7 +157,9 @@ impl Shown {
         if peers::plain_mesh(&loaded.world).is_none() {
             return Err(Error::Argument {
                 argument: self.source.name(),
-                message: "more than one mesh as it is: not every peer knows quadrics and instances".into(),
+                message:
+                    "expected a scene of one mesh without a transform: not every peer knows quadrics and instances"
+                        .into(),
             });
         }
         if let Some((eye, look_at)) = self.camera {
@@ -167,7 +169,7 @@ impl Shown {
     }
 }
 
-/// Threads that stay on a processor each, where the system lets them.
+/// A pool whose threads are pinned to one processor each, if the system allows it.
 fn pinned_pool(threads: usize) -> ThreadPool {
     let processors = core_affinity::get_core_ids().unwrap_or_default();
     let pin = move |thread: usize| {
@@ -175,10 +177,10 @@ fn pinned_pool(threads: usize) -> ThreadPool {
             core_affinity::set_for_current(processor);
         }
     };
-    ThreadPoolBuilder::new().num_threads(threads).start_handler(pin).build().expect("two threads are not many")
+    ThreadPoolBuilder::new().num_threads(threads).start_handler(pin).build().expect("a pool of two threads can be made")
 }
 
-/// Everyone on one scene.
+/// The comparison of all tracers on one scene.
 struct Compare<'a> {
     arguments: &'a Arguments,
     name: String,
@@ -196,11 +198,11 @@ impl Task<Triangle> for Compare<'_> {
         let start = Instant::now();
         let scene = Scene::<K>::new(world);
         let build_seconds = start.elapsed().as_secs_f64();
-        let mesh = peers::plain_mesh(scene.world()).expect("this was seen when it was loaded");
+        let mesh = peers::plain_mesh(scene.world()).expect("loading checked that the scene is one mesh");
 
         let [scalar, others @ ..] = peers::ours(&scene, build_seconds);
         let mut rivals: Vec<_> = others.into_iter().collect();
-        // Before those that take long to build, in case something is wrong with the library.
+        // Embree comes before the crates, which take long to build, so that an error of the library shows early.
         if let Some(embree) = embree {
             rivals.extend(embree_contenders(embree, mesh)?);
         }
@@ -218,7 +220,7 @@ impl Task<Triangle> for Compare<'_> {
         let mut contenders = vec![(&scalar, one)];
         for rival in &rivals {
             contenders.push((rival, one));
-            // Two threads are for those that have something to prove with them.
+            // Only raylanes and Embree are also run with two threads.
             if [OURS, EMBREE].contains(&rival.tracer) {
                 contenders.push((rival, two));
             }
@@ -232,13 +234,13 @@ impl Task<Triangle> for Compare<'_> {
     }
 }
 
-/// Embree with every flag, build and call that could be its best.
+/// Embree in every configuration of flag, build and call that could be its fastest.
 fn embree_contenders(embree: &Embree, mesh: &Mesh) -> Result<Vec<Contender<'static>>, Error> {
     let mut calls = vec![Calls::One, Calls::Eight { coherent: false }, Calls::Eight { coherent: true }];
     if embree.native16 {
         calls.extend([Calls::Sixteen { coherent: false }, Calls::Sixteen { coherent: true }]);
     }
-    // With the robust flag Embree builds the same tree for either quality (`Scene::createTriangleAccel`).
+    // With the robust flag, Embree builds the same tree for both qualities (`Scene::createTriangleAccel`).
     let builds = [
         (false, Quality::Medium, "fast, medium"),
         (false, Quality::High, "fast, high"),

@@ -1,18 +1,21 @@
-//! The study: how fast and how right each kernel is, measured, charted and written down.
+//! The study: measures how fast and how accurate every kernel is, and writes tables, charts and a report.
 //!
-//! Data flows through the rooms in this order, and imports run one way, back along it:
+//! Data flows through these rooms from top to bottom:
 //!
 //! | room | what it does |
 //! | --- | --- |
-//! | [`workload`] | makes the seeded rays and shapes |
-//! | `measure` | times kernels and the tracer, counts errors; fills the rows of the record |
-//! | [`record`] | the rows, as plain data: `results.json` |
-//! | `figures` | reads the rows together: rates, groups of kernels, failures, claims, targets |
-//! | `present` | charts, report, tables |
-//! | [`peers`] | other tracers on the same rays: a study of its own over the same rooms |
+//! | [`workload`] | makes seeded rays and shapes |
+//! | `measure` | times kernels and the tracer, counts errors, and fills the rows of the record |
+//! | [`record`] | the rows as plain data, and `results.json` |
+//! | `figures` | derives figures from the rows: rates, groups of kernels, failures, claims, targets |
+//! | `present` | draws charts, and writes the report and the tables |
+//! | [`peers`] | compares the tracer with other tracers, by means of the rooms above |
 //!
-//! `record` imports nothing of the study, so that those who fill it and those who read it can share it. `run.rs` runs
-//! all of it, `write.rs` writes it. `tests/` holds what only tests use.
+//! A room imports only rooms above it, and never one below. `record` is the exception: it is plain data, imports no
+//! other room, and `measure` imports it.
+//!
+//! `run.rs` runs the whole study, `write.rs` writes its files, and `progress.rs` shows how far it has come. `tests/` is
+//! compiled for tests only.
 
 mod figures;
 mod measure;

@@ -1,4 +1,4 @@
-//! Where a long run stands, for whoever waits for it.
+//! Shows how far a long run has come: a bar or a spinner on standard error.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,38 +7,39 @@ use std::time::{Duration, Instant};
 use indicatif::style::ProgressTracker;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-/// What is being done, on standard error: a bar or a spinner on a terminal, nothing in a pipe. Clones draw the same line.
+/// A line on standard error about the work in progress: a bar or a spinner on a terminal, nothing in a pipe. Clones
+/// share the line.
 #[derive(Clone, Debug)]
 pub struct Progress {
     bar: ProgressBar,
-    /// The part of the bar that [`Progress::reach`] fills.
+    /// The part of the bar that [`Progress::reach`] fills, from 0 to 1.
     part: Range<f64>,
 }
 
 impl Progress {
-    /// Steps of the whole bar.
+    /// Number of steps of the whole bar.
     const STEPS: u64 = 1000;
 
-    /// A bar with the time that is left, for work that takes its minutes.
+    /// A bar with an estimate of the remaining time, for work that takes minutes.
     pub fn bar() -> Self {
-        // With the longest message it fits into 80 columns.
+        // The longest message still fits into 80 columns.
         let style = ProgressStyle::with_template("{clock:>5} [{bar:20}] {percent:>3} % {remaining:<10} {wide_msg}")
             .expect("the template is well formed")
             .with_key("clock", |state: &ProgressState, line: &mut dyn fmt::Write| {
-                // There is nobody to tell if it fails.
+                // An error could not be reported anywhere.
                 let _ = line.write_str(&clock(state.elapsed()));
             })
             .with_key("remaining", Remaining::default())
             .progress_chars("=> ");
         let bar = ProgressBar::new(Self::STEPS).with_style(style);
-        // The clock goes on where a single step takes long. Once a second does not disturb what is timed.
+        // The clock runs on during a long step. One tick a second does not disturb the timings.
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_secs(1));
         }
         Self { bar, part: 0.0..1.0 }
     }
 
-    /// A spinner, for work that may be done at once: it shows after half a second.
+    /// A spinner, for work of unknown length. It appears after half a second, so short work shows none.
     pub fn spinner() -> Self {
         let style =
             ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}").expect("the template is well formed");
@@ -54,24 +55,24 @@ impl Progress {
         Self { bar, part: 0.0..1.0 }
     }
 
-    /// Says what is being done.
+    /// Shows a message about the current work.
     pub fn note(&self, message: &str) {
         self.bar.set_message(message.to_owned());
     }
 
-    /// Sets the share that is done, of this part or else of the whole.
+    /// Sets the share of this part that is done, from 0 to 1.
     pub(crate) fn reach(&self, share: f64) {
         let Range { start, end } = self.part;
         self.bar.set_position(((start + (end - start) * share) * Self::STEPS as f64).round() as u64);
     }
 
-    /// The same line, of which only what lies between these shares is to be filled.
+    /// The same line, for work that fills only this range of the part.
     pub(crate) fn part(&self, shares: Range<f64>) -> Self {
-        let place = |share: f64| self.part.start + (self.part.end - self.part.start) * share;
-        Self { bar: self.bar.clone(), part: place(shares.start)..place(shares.end) }
+        let position = |share: f64| self.part.start + (self.part.end - self.part.start) * share;
+        Self { bar: self.bar.clone(), part: position(shares.start)..position(shares.end) }
     }
 
-    /// One part after the other, as long in relation to each other as these numbers.
+    /// Divides this part into consecutive parts. `lengths` are relative.
     pub(crate) fn parts(&self, lengths: &[f64]) -> Vec<Self> {
         let sum: f64 = lengths.iter().sum();
         let part = |end: &mut f64, length: &f64| {
@@ -82,37 +83,37 @@ impl Progress {
         lengths.iter().scan(0.0, part).collect()
     }
 
-    /// Items with equal parts.
+    /// Each item with a part of its own; all parts are equally long.
     pub(crate) fn each<'a, T>(&self, items: &'a [T]) -> impl Iterator<Item = (&'a T, Self)> {
         items.iter().zip(self.parts(&vec![1.0; items.len()]))
     }
 
-    /// Prints something beside it.
+    /// Hides the line while `print` runs, so that its output is not mixed with the line.
     pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
         self.bar.suspend(print)
     }
 
-    /// Takes it off the terminal, for good.
+    /// Removes the line from the terminal for good.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// The time that is left if all goes on as it went so far on the average. Between two steps it counts down.
+/// The remaining time, if the work goes on at its average speed so far. Between two steps it counts down.
 #[derive(Clone, Debug, Default)]
 struct Remaining {
     position: u64,
-    /// From the beginning to the end, as it looked at that position.
-    whole: Duration,
+    /// The estimate, at that position, of the time from start to end.
+    total: Duration,
 }
 
 impl Remaining {
-    /// Before so many steps, any guess would be a bad one.
+    /// No estimate is shown before this step: it would be a poor one.
     const FIRST: u64 = Progress::STEPS / 50;
 
     fn reach(&mut self, position: u64, elapsed: Duration) {
         if position != self.position {
-            *self = Self { position, whole: elapsed.mul_f64(Progress::STEPS as f64 / position.max(1) as f64) };
+            *self = Self { position, total: elapsed.mul_f64(Progress::STEPS as f64 / position.max(1) as f64) };
         }
     }
 
@@ -120,7 +121,7 @@ impl Remaining {
         if self.position < Self::FIRST {
             return String::new();
         }
-        format!("{} left", clock(self.whole.saturating_sub(elapsed)))
+        format!("{} left", clock(self.total.saturating_sub(elapsed)))
     }
 }
 
@@ -140,7 +141,7 @@ impl ProgressTracker for Remaining {
     }
 }
 
-/// Minutes and seconds.
+/// Minutes and seconds, as `m:ss`.
 fn clock(time: Duration) -> String {
     format!("{}:{:02}", time.as_secs() / 60, time.as_secs() % 60)
 }
@@ -150,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_follow_each_other_and_may_have_parts() {
+    fn parts_are_consecutive_and_can_be_divided_again() {
         let progress = Progress::bar();
         let reached = |part: &Progress, share| {
             part.reach(share);
@@ -167,16 +168,16 @@ mod tests {
     }
 
     #[test]
-    fn the_time_left_counts_down_between_steps() {
+    fn the_remaining_time_counts_down_between_steps() {
         let mut remaining = Remaining::default();
         let mut text = |position, elapsed| {
             let elapsed = Duration::from_secs(elapsed);
             remaining.reach(position, elapsed);
             remaining.text(elapsed)
         };
-        assert_eq!([text(0, 1), text(Remaining::FIRST - 1, 2)], [""; 2], "too early to tell");
+        assert_eq!([text(0, 1), text(Remaining::FIRST - 1, 2)], [""; 2], "too early for an estimate");
         assert_eq!([text(250, 30), text(250, 31), text(250, 119)], ["1:30 left", "1:29 left", "0:01 left"]);
-        assert_eq!(text(250, 999), "0:00 left", "longer than it looked");
+        assert_eq!(text(250, 999), "0:00 left", "longer than estimated");
         assert_eq!([text(500, 1000), text(Progress::STEPS, 1500)], ["16:40 left", "0:00 left"]);
     }
 }

@@ -1,10 +1,10 @@
-//! Runs the whole study: everything that is measured, one after the other, into one record.
+//! Runs the whole study: takes all measurements one after the other and collects them in one record.
 
 use std::time::{Instant, SystemTime};
 
 use super::figures::{claims, summary};
 use super::measure::accuracy::Kernels;
-use super::measure::operation_rates::Rates;
+use super::measure::operation_rates::OperationRates;
 use super::measure::survey::Survey;
 use super::measure::{coherence, machine, scaling, speed, tracer};
 use super::peers;
@@ -18,61 +18,63 @@ use crate::tracer::{Error, SceneSource};
 /// What to measure, and how much of it.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Scenes for the tracer's table.
+    /// Scenes for the throughput of the tracer (and of the peers).
     pub scenes: Vec<SceneSource>,
-    /// Fewer rays, samples and pixels: to see that everything works, not to trust the figures.
+    /// Fewer rays, samples and pixels: a check that everything works, with figures that are not to be trusted.
     pub quick: bool,
-    /// One size more where cost is measured against size, of ten million triangles: takes several gigabytes.
+    /// Also measure the cost of a ray in a scene of ten million triangles. This takes several gigabytes of memory. With
+    /// `quick`, the additional scene is smaller.
     pub large: bool,
-    /// What all random inputs derive from.
+    /// The seed of all random inputs.
     pub seed: u64,
-    /// Whether to trace the scenes with the peers too; needs the feature of that name.
+    /// Whether to trace the scenes with the peers too. Needs the feature `peers`.
     pub peers: bool,
 }
 
 impl Options {
-    /// The scenes that are measured when none is named.
+    /// The scenes that are measured if none is named.
     pub fn default_scenes(quick: bool) -> Vec<SceneSource> {
         let names = if quick {
             ["room:small", "terrain:1e3", "sphere:small", "forest:1000", "gallery"]
         } else {
             ["room", "terrain:1e5", "sphere", "forest:10000", "gallery"]
         };
-        names.map(|name| SceneSource::parse(name).expect("built-in scenes exist in these sizes")).into()
+        names.map(|name| SceneSource::parse(name).expect("these are built-in scenes")).into()
     }
 }
 
-/// Runs the study, and tells `progress` how far it is.
+/// Runs the study, and shows in `progress` how far it has come.
 ///
 /// # Errors
-/// If a scene cannot be loaded, or if hits that must be identical are not.
+/// If a scene cannot be loaded, if hits differ that must be identical, or if `options.peers` is set and this build has
+/// no peers.
 pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let (started, clock) = (SystemTime::now(), Instant::now());
     let thread_counts = [1, 2];
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
-    let [of_speed, of_accuracy, of_scenes, of_coherence, of_scaling] =
+    let [speed_part, accuracy_part, scenes_part, coherence_part, scaling_part] =
         if options.quick { [0.6, 4.0, 4.7, 1.0, 0.1] } else { [41.0, 34.0, 23.0, 8.0, 3.0] };
-    let of_scaling = if options.large { 12.0 * of_scaling } else { of_scaling };
-    let of_peers = if options.peers { 2.0 * of_scenes } else { 0.0 };
-    let parts = progress.parts(&[of_speed, of_accuracy, of_scenes, of_coherence, of_scaling, of_peers]);
-    let [of_speed, of_accuracy, of_scenes, of_coherence, of_scaling, of_peers] = &parts[..] else {
-        unreachable!("there are six")
+    let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
+    let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
+    let parts = progress.parts(&[speed_part, accuracy_part, scenes_part, coherence_part, scaling_part, peers_part]);
+    let [speed_part, accuracy_part, scenes_part, coherence_part, scaling_part, peers_part] = &parts[..] else {
+        unreachable!("six lengths give six parts")
     };
 
     progress.note("kernels: preparing");
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
-    // Many short samples: whatever else the machine does then falls on some of them, and the median is of the others.
+    // Many short samples: other work on the machine disturbs some of them, and the median ignores those.
     let samples = if options.quick { 3 } else { 61 };
-    let mut rates = Rates::new();
+    let mut rates = OperationRates::new();
     let speed_rows = speed.measure(samples, &thread_counts, &mut |share| {
         rates.sample();
-        of_speed.reach(share);
+        speed_part.reach(share);
     })?;
 
     let mut errors = Errors { survey: Survey::new(options.quick, options.seed), claims: Vec::new() };
-    let shapes = of_accuracy.parts(&[20.0, 3.0, 3.5, 2.5, 2.5, 2.5]);
+    let shapes = accuracy_part.parts(&[20.0, 3.0, 3.5, 2.5, 2.5, 2.5]);
     errors.measure::<Triangle>(&shapes[0]);
     errors.measure::<Aabb>(&shapes[1]);
     errors.measure::<Quadric>(&shapes[2]);
@@ -83,14 +85,14 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
 
     let mut tracer_rows = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (384, 5) };
-    for (scene, progress) in of_scenes.each(&options.scenes) {
+    for (scene, progress) in scenes_part.each(&options.scenes) {
         tracer_rows.extend(tracer::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
-    let coherence = coherence::measure(options.quick, options.seed, of_coherence)?;
-    let extent = scaling::Extent { quick: options.quick, large: options.large };
-    let scaling = scaling::measure(extent, options.seed, of_scaling)?;
+    let coherence = coherence::measure(options.quick, options.seed, coherence_part)?;
+    let scaling_options = scaling::ScalingOptions { quick: options.quick, large: options.large };
+    let scaling = scaling::measure(scaling_options, options.seed, scaling_part)?;
     let mut peer_rows = Vec::new();
-    for (scene, progress) in of_peers.each(&options.scenes).filter(|_| options.peers) {
+    for (scene, progress) in peers_part.each(&options.scenes).filter(|_| options.peers) {
         progress.note(&format!("{}: peers", scene.name()));
         progress.reach(0.0);
         peer_rows.extend(peers::compare(scene, size, options.seed, samples)?);
@@ -124,14 +126,14 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     Ok(record)
 }
 
-/// The errors of all kernels, and what they say about the kernels' claims.
+/// The errors of all kernels, and the claims that they are checked for.
 struct Errors {
     survey: Survey,
     claims: Vec<ClaimRow>,
 }
 
 impl Errors {
-    /// Measures the kernels of a shape.
+    /// Measures the kernels of one shape, and checks their claims.
     fn measure<S: Subject>(&mut self, progress: &Progress) {
         let kernels = Kernels::<S>::registered();
         self.survey.measure(&kernels, progress);

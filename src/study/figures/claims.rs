@@ -1,13 +1,13 @@
-//! What became of each promise, kept or not made, in the rows that put it to the test.
+//! Checks every claim in the rows that test it, for kernels that make the claim and for kernels that do not.
 
-use super::rate::{Rate, doubles, gross, leaks, lost_by_boxes, wrong};
+use super::rate::{Rate, double_hits, gross, leaks, lost_by_boxes, wrong};
 use crate::geom::{Aabb, Quadric, Shape, Triangle};
 use crate::kernels::Claim;
 use crate::study::measure::accuracy::Kernels;
 use crate::study::record::{AccuracyRow, ClaimRow};
 use crate::study::workload::Workload;
 
-/// Which rows put a claim to the test.
+/// Whether a row tests a claim.
 fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
     let (at_edges, at_vertices) =
         (row.workload == "shared_edge", ["vertex_fan", "closed_mesh"].contains(&row.workload.as_str()));
@@ -16,12 +16,12 @@ fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
         Claim::VertexWatertight => at_vertices,
         Claim::SingleHit => at_edges || at_vertices,
         Claim::Conservative => true,
-        // Its rays pass an apex more closely than the promises reach.
+        // These claims do not cover rays that pass so close to an apex.
         Claim::RightDecision | Claim::NoGrossError => row.workload != Workload::Edge.name(),
     }
 }
 
-/// The family of kernels that a claim is for.
+/// The family of kernels that can make a claim.
 fn family(claim: Claim) -> &'static str {
     match claim {
         Claim::EdgeWatertight | Claim::VertexWatertight | Claim::SingleHit => Triangle::FAMILY,
@@ -30,14 +30,14 @@ fn family(claim: Claim) -> &'static str {
     }
 }
 
-/// Violations, and what they are violations among.
+/// Number of violations in a row, and number of rays or pairs that were checked.
 fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
     let count = |rate: Option<Rate>| rate.map_or([0; 2], |rate| [rate.events().round() as u64, rate.of]);
     match claim {
         Claim::EdgeWatertight | Claim::VertexWatertight => count(leaks(row)),
         Claim::SingleHit => {
-            let ([leaks, of], [doubles, _]) = (count(leaks(row)), count(doubles(row)));
-            [leaks + doubles + row.boundary_many, of]
+            let ([leaks, of], [double_hits, _]) = (count(leaks(row)), count(double_hits(row)));
+            [leaks + double_hits + row.boundary_many, of]
         }
         Claim::Conservative => count(lost_by_boxes(row)),
         Claim::RightDecision => count(wrong(row)),
@@ -45,8 +45,8 @@ fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
     }
 }
 
-/// Every kernel of a shape against every claim of its family, whether it makes it or not. `rows` may be those of other
-/// kernels too.
+/// Checks every kernel of a shape for every claim of its family, whether the kernel makes the claim or not. `rows` may
+/// contain rows of other kernels; these are ignored. Returns one row per kernel and claim.
 pub fn judged<S: Shape>(kernels: &Kernels<S>, rows: &[AccuracyRow]) -> Vec<ClaimRow> {
     let mut judged = Vec::new();
     for kernel in kernels.iter() {

@@ -1,47 +1,47 @@
-//! How a regime breaks kernels: what is measured at each of its steps, and from which step on a kernel fails.
+//! Which metrics a regime is judged by, and at which of its steps a kernel fails.
 
 use super::format::{count, number, severity};
-use super::kernel::Figures;
-use super::rate::{Rate, doubles, leaks, lost_by_boxes, ulp_p99, wrong};
+use super::kernel::KernelFigures;
+use super::rate::{Rate, double_hits, leaks, lost_by_boxes, ulp_p99, wrong};
 use crate::study::record::{AccuracyRow, RegimeRow};
 
-/// A kernel fails at a step where more than this is wrong, per million: 0.1 %.
+/// A kernel fails at a step if a rate exceeds this, in events per million: 0.1 %.
 pub(crate) const FAILING_RATE: f64 = 1000.0;
-/// A kernel fails at a step where the 99th percentile of the error of `t` is above this.
+/// A kernel fails at a step if the 99th percentile of the error of `t` exceeds this, in ulp.
 pub(crate) const FAILING_ULP: u64 = 100;
 
-/// A figure that a regime is about.
+/// A metric that kernels are judged by in a regime.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Measure {
-    /// Strict hits reported as misses, and misses reported as hits.
+pub(crate) enum Metric {
+    /// Wrong answers: false misses and false hits together.
     Wrong,
-    /// Hits of a box, boundary included, reported as misses.
+    /// Hits of a box reported as misses, boundary included.
     Lost,
     /// Misses reported as hits.
     FalseHit,
-    /// Rays that a mesh loses.
+    /// Leaks: rays that hit a mesh and are reported to miss it.
     Leak,
-    /// Rays that hit a mesh twice.
-    Double,
-    /// The error of `t`.
+    /// Double hits: rays that hit one triangle of a mesh and are reported to hit several.
+    DoubleHit,
+    /// 99th percentile of the error of `t`.
     Ulp,
 }
 
-/// A measure's figure.
+/// The value of a metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Figure {
-    /// Per million.
+    /// Events per million.
     Rate(Rate),
-    /// 99th percentile of the error of `t`.
+    /// Error of `t` in ulp.
     Ulp(u64),
 }
 
-impl Measure {
-    /// Those of a regime. In a mesh a neighbour may catch what one triangle loses, so leaks and doubles count. A box
-    /// that is hit falsely costs time, one that is lost costs a part of the picture: these are told apart.
+impl Metric {
+    /// The metrics of a regime. In a mesh, a neighbour may catch what one triangle loses, so leaks and double hits
+    /// count. A false hit of a box costs time, a lost one costs a part of the picture, so these are separate metrics.
     pub(crate) fn of(regime: &RegimeRow) -> &'static [Self] {
         if regime.mesh {
-            &[Self::Leak, Self::Double, Self::Ulp]
+            &[Self::Leak, Self::DoubleHit, Self::Ulp]
         } else if regime.family == "aabb" {
             &[Self::Lost, Self::FalseHit, Self::Ulp]
         } else {
@@ -49,36 +49,36 @@ impl Measure {
         }
     }
 
-    /// What it is, and of what.
+    /// What the metric counts, and the base of its rate.
     pub(crate) fn title(self) -> &'static str {
         match self {
-            Self::Wrong => "wrong answers: false misses and false hits, per million tests (boundaries apart)",
-            Self::Lost => "lost: false misses, and boundary hits reported as none, per million that exactly hit",
-            Self::FalseHit => "false hits per million exact misses (harmless where a box only guards what is inside)",
+            Self::Wrong => "wrong answers: false misses and false hits per million tests (boundary hits excluded)",
+            Self::Lost => "lost rays: false misses and missed boundary hits per million that exactly hit",
+            Self::FalseHit => "false hits per million exact misses (harmless for bounding boxes)",
             Self::Leak => "leaks per million rays that exactly hit the mesh, edges included",
-            Self::Double => "double hits per million rays that exactly hit one triangle strictly inside",
+            Self::DoubleHit => "double hits per million rays that exactly hit one triangle, strictly inside",
             Self::Ulp => "99th percentile of the error of t, in units in the last place (ulp)",
         }
     }
 
-    /// One or two words.
+    /// The name of the metric in one or two words.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Wrong => "wrong",
             Self::Lost => "lost",
             Self::FalseHit => "false hits",
             Self::Leak => "leaks",
-            Self::Double => "doubles",
+            Self::DoubleHit => "double hits",
             Self::Ulp => "p99",
         }
     }
 
-    /// The figure above which a kernel fails. A false hit of a box is no failure: it costs a look inside.
+    /// The value above which a kernel fails. `None` for false hits of boxes: these only cost a look inside.
     pub(crate) fn limit(self) -> Option<f64> {
         match self {
             Self::FalseHit => None,
             Self::Ulp => Some(FAILING_ULP as f64),
-            Self::Wrong | Self::Lost | Self::Leak | Self::Double => Some(FAILING_RATE),
+            Self::Wrong | Self::Lost | Self::Leak | Self::DoubleHit => Some(FAILING_RATE),
         }
     }
 
@@ -90,20 +90,21 @@ impl Measure {
         self.limit().is_some_and(|limit| value > limit)
     }
 
-    /// `None` where there was nothing that could go wrong.
+    /// The value of the metric in a row; `None` if no ray or pair of the row was suited to measure it.
     pub(crate) fn figure(self, row: &AccuracyRow) -> Option<Figure> {
         match self {
             Self::Wrong => wrong(row).map(Figure::Rate),
             Self::Lost => lost_by_boxes(row).map(Figure::Rate),
             Self::FalseHit => Rate::new(row.false_hit_per_million, row.exact_misses).map(Figure::Rate),
             Self::Leak => leaks(row).map(Figure::Rate),
-            Self::Double => doubles(row).map(Figure::Rate),
+            Self::DoubleHit => double_hits(row).map(Figure::Rate),
             Self::Ulp => ulp_p99(row).map(Figure::Ulp),
         }
     }
 }
 
 impl Figure {
+    /// The figure with its unit.
     fn in_words(self) -> String {
         match self {
             Self::Rate(rate) => format!("{} %", number(rate.per_million / 1e4, 2)),
@@ -121,47 +122,47 @@ impl std::fmt::Display for Figure {
     }
 }
 
-/// Where a kernel fails in a regime.
+/// Whether and where a kernel fails in a regime.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Verdict {
-    /// Nowhere.
+    /// It fails at no step.
     Holds {
-        /// What was wrong nevertheless, too seldom to fail: `leaks up to 0.05 %`. Empty if nothing was.
-        but: String,
+        /// Errors that were too rare to count as failure, such as `leaks up to 0.05 %`. Empty if there were none.
+        minor: String,
     },
-    /// At some steps.
+    /// It fails at some steps.
     Fails {
-        /// Index of the first of them.
+        /// Index of the first failing step.
         first: usize,
-        /// At which, in words: `from 1e-4`.
+        /// The failing steps in words, such as `from 1e-4`.
         at: String,
-        /// By how much at the first: `lost 2.3 %, p99 1,234 ulp`.
+        /// The figures at the first failing step, such as `lost 2.3 %, p99 1,234 ulp`.
         how: String,
     },
 }
 
-/// `None` if the kernel was not measured in the regime.
-pub(crate) fn verdict(kernel: &Figures, regime: &RegimeRow) -> Option<Verdict> {
+/// Judges a kernel in a regime; `None` if it was not measured there.
+pub(crate) fn verdict(kernel: &KernelFigures, regime: &RegimeRow) -> Option<Verdict> {
     let rows: Vec<_> = regime.steps.iter().map(|&step| kernel.at_step(&regime.name, step)).collect();
     if rows.iter().all(Option::is_none) {
         return None;
     }
     let failing = |row: &AccuracyRow| -> Vec<String> {
-        let figures = Measure::of(regime).iter().filter_map(|measure| Some((measure, measure.figure(row)?)));
+        let figures = Metric::of(regime).iter().filter_map(|measure| Some((measure, measure.figure(row)?)));
         let failing = figures.filter(|(measure, figure)| measure.fails(*figure));
         failing.map(|(measure, figure)| format!("{} {}", measure.name(), figure.in_words())).collect()
     };
     let failures: Vec<_> = rows.into_iter().map(|row| row.map_or(Vec::new(), failing)).collect();
     let Some(first) = failures.iter().position(|failures| !failures.is_empty()) else {
-        return Some(Verdict::Holds { but: blemishes(kernel, regime) });
+        return Some(Verdict::Holds { minor: minor_errors(kernel, regime) });
     };
     let fails: Vec<bool> = failures.iter().map(|failures| !failures.is_empty()).collect();
     Some(Verdict::Fails { first, at: spans(&fails, &regime.steps), how: failures[first].join(", ") })
 }
 
-/// The greatest of each kind of rate over all steps, in words, where there is any.
-fn blemishes(kernel: &Figures, regime: &RegimeRow) -> String {
-    let worst = |measure: &Measure| {
+/// The highest value of each rate over all steps, in words. Rates of zero are left out.
+fn minor_errors(kernel: &KernelFigures, regime: &RegimeRow) -> String {
+    let worst = |measure: &Metric| {
         let figures =
             regime.steps.iter().filter_map(|&step| match measure.figure(kernel.at_step(&regime.name, step)?)? {
                 Figure::Rate(rate) if rate.per_million > 0.0 => Some(rate),
@@ -170,10 +171,10 @@ fn blemishes(kernel: &Figures, regime: &RegimeRow) -> String {
         let worst = figures.max_by(|a, b| a.per_million.total_cmp(&b.per_million))?;
         Some(format!("{} up to {}", measure.name(), Figure::Rate(worst).in_words()))
     };
-    Measure::of(regime).iter().filter_map(worst).collect::<Vec<_>>().join(", ")
+    Metric::of(regime).iter().filter_map(worst).collect::<Vec<_>>().join(", ")
 }
 
-/// The runs of failing steps, in words.
+/// The failing steps in words, consecutive ones joined.
 fn spans(fails: &[bool], steps: &[f64]) -> String {
     let mut spans = Vec::new();
     let mut step = 0;
@@ -207,7 +208,7 @@ mod tests {
         verdict(&groups(record)[0].kernels[0], grazing(record))
     }
 
-    /// A kernel that is right everywhere.
+    /// A record of one kernel that fails nowhere.
     fn flawless() -> Record {
         let mut record = record_of(&["triangle/cramer".into()]);
         for row in &mut record.accuracy {
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_answers_are_those_of_both_kinds() {
+    fn wrong_answers_are_false_misses_and_false_hits_together() {
         let mut record = flawless();
         let row = at_step(&mut record, 0);
         (row.exact_hits, row.false_miss_per_million) = (1000, 5000.0);
@@ -235,17 +236,17 @@ mod tests {
     }
 
     #[test]
-    fn a_verdict_names_the_steps_and_the_figures() {
+    fn a_verdict_names_the_failing_steps_and_the_figures() {
         let mut record = flawless();
-        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: String::new() }));
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { minor: String::new() }));
         at_step(&mut record, 1).false_hit_per_million = 1000.0;
-        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: "wrong up to 0.047 %".into() }));
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { minor: "wrong up to 0.047 %".into() }));
         at_step(&mut record, 2).false_miss_per_million = 1e6;
         at_step(&mut record, 2).t_ulp_p99 = FAILING_ULP + 1;
         for step in [4, 5, 6] {
             at_step(&mut record, step).t_ulp_p99 = 12_345;
         }
-        let Some(Verdict::Fails { first, at, how }) = verdict_of(&record) else { panic!("it fails") };
+        let Some(Verdict::Fails { first, at, how }) = verdict_of(&record) else { panic!("the kernel must fail") };
         assert_eq!((first, at.as_str()), (2, "at 1e-3 and from 1e-5"));
         assert_eq!(how, "wrong 53 %, p99 101 ulp");
         record.accuracy.retain(|row| row.severity.is_none());
@@ -253,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_fails_by_what_it_loses_not_by_false_hits() {
+    fn a_box_fails_by_lost_rays_and_not_by_false_hits() {
         let mut record = record_of(&["aabb/padded".into()]);
         let regime = record.regimes.iter().find(|regime| regime.name == "box_edge").unwrap().clone();
         for row in record.accuracy.iter_mut().filter(|row| row.workload == regime.name) {
@@ -261,17 +262,17 @@ mod tests {
             row.t_ulp_p99 = 1;
         }
         let verdict_of = |record: &Record| verdict(&groups(record)[0].kernels[0], &regime);
-        assert_eq!(verdict_of(&record), Some(Verdict::Holds { but: "false hits up to 100 %".into() }));
+        assert_eq!(verdict_of(&record), Some(Verdict::Holds { minor: "false hits up to 100 %".into() }));
         record.accuracy.iter_mut().for_each(|row| row.false_miss_per_million = 1e6);
         assert!(matches!(verdict_of(&record), Some(Verdict::Fails { first: 0, .. })));
     }
 
     #[test]
-    fn runs_of_steps_are_told_in_words() {
+    fn consecutive_failing_steps_are_joined_in_words() {
         let steps = [1.0, 2.0, 3.0, 4.0, 5.0];
-        let told = |fails: [u8; 5]| spans(&fails.map(|fails| fails == 1), &steps);
-        assert_eq!(told([1, 1, 0, 0, 1]), "at 1 to 2 and at 5");
-        assert_eq!(told([1, 1, 1, 1, 1]), "from 1");
-        assert_eq!(told([0, 1, 0, 1, 1]), "at 2 and from 4");
+        let words = |fails: [u8; 5]| spans(&fails.map(|fails| fails == 1), &steps);
+        assert_eq!(words([1, 1, 0, 0, 1]), "at 1 to 2 and at 5");
+        assert_eq!(words([1, 1, 1, 1, 1]), "from 1");
+        assert_eq!(words([0, 1, 0, 1, 1]), "at 2 and from 4");
     }
 }

@@ -1,9 +1,10 @@
-//! Figures as text: significant digits, thousands, units, and a dash for what is missing.
+//! Numbers as text: significant digits, thousands separators, unit prefixes, and a dash for a missing figure.
 
-/// Printed where the record has no figure.
+/// The text of a missing figure.
 pub(crate) const MISSING: &str = "–";
 
-/// `value` to that many significant digits, thousands separated.
+/// `value` to that many significant digits, with thousands separators. Very large and very small values are in
+/// scientific notation. [`MISSING`] if `value` is not finite.
 pub(crate) fn number(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return MISSING.to_owned();
@@ -23,7 +24,7 @@ pub(crate) fn number(value: f64, digits: i32) -> String {
     separated(whole) + fraction
 }
 
-/// A severity, as short as it can be.
+/// A severity, as short as possible.
 pub(crate) fn severity(value: f64) -> String {
     match value.abs() {
         1e3..1e5 => count(value.round() as u64),
@@ -37,12 +38,12 @@ pub(crate) fn severity(value: f64) -> String {
     }
 }
 
-/// A decimal fraction without its last zeros.
+/// A decimal fraction without trailing zeros.
 fn short(fraction: &str) -> &str {
     fraction.trim_end_matches('0').trim_end_matches('.')
 }
 
-/// A whole number, thousands separated.
+/// A whole number with thousands separators.
 pub(crate) fn count(value: u64) -> String {
     separated(&value.to_string())
 }
@@ -58,7 +59,7 @@ fn separated(digits: &str) -> String {
     out
 }
 
-/// `value` to that many significant digits, with a unit prefix.
+/// `value` to that many significant digits, with a unit prefix: k, M or G.
 pub(crate) fn si(value: f64, digits: i32) -> String {
     match value.abs() {
         1e9.. => number(value / 1e9, digits) + " G",
@@ -68,12 +69,12 @@ pub(crate) fn si(value: f64, digits: i32) -> String {
     }
 }
 
-/// A figure that may be missing.
+/// A figure that may be missing, to that many significant digits.
 pub(crate) fn optional(value: Option<f64>, digits: i32) -> String {
     value.map_or(MISSING.to_owned(), |value| number(value, digits))
 }
 
-/// A ratio that may be missing.
+/// A ratio that may be missing, as `1.50×`.
 pub(crate) fn times(ratio: Option<f64>) -> String {
     ratio.filter(|ratio| ratio.is_finite()).map_or(MISSING.to_owned(), |ratio| format!("{ratio:.2}×"))
 }
@@ -88,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_have_significant_digits() {
+    fn numbers_have_significant_digits_and_short_severities() {
         let cases = [(51_234.0, "51,200"), (9.996, "10.0"), (0.12345, "0.123"), (999.6, "1,000"), (1.25e-7, "1.25e-7")];
         for (value, text) in cases {
             assert_eq!(number(value, 3), text);

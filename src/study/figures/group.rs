@@ -1,40 +1,41 @@
-//! Groups of kernels that can be compared, and which rays count as lost in each.
+//! Groups of kernels that can be compared with each other, and which rays count as lost in each group.
 
-use super::kernel::{Figures, fastest_of, rows_of};
+use super::kernel::{KernelFigures, fastest_of, rows_of};
 use super::rate::{Rate, leaks, lost_by_boxes};
 use crate::study::record::{AccuracyRow, MethodRow, Record, RegimeRow};
 
-/// The kernels that can be compared: of one shape, and instances apart from what they are instances of.
+/// Kernels that can be compared: those of one shape. Instances of a shape are a group of their own.
 #[derive(Debug)]
 pub(crate) struct Group<'a> {
-    /// `triangle`, `instance of triangle`.
+    /// Title, such as `triangle` or `instance of triangle`.
     pub(crate) title: String,
-    /// What all IDs begin with; a whole number of their parts, with the last slash.
+    /// The common beginning of all IDs: whole parts, including the last slash.
     pub(crate) prefix: String,
-    /// The title, or, of instances that all have one kernel inside, which one: `instance of triangle/moller_trumbore`.
+    /// The title. If all are instances of the same kernel, the name of that kernel: `instance of
+    /// triangle/moller_trumbore`.
     pub(crate) subject: String,
-    /// What is hit in the end: `triangle`.
+    /// The shape that is hit, such as `triangle`. For instances, the shape inside.
     pub(crate) shape: &'a str,
-    /// What [`Figures::lost`] counts.
+    /// Which rays [`KernelFigures::lost`] counts.
     pub(crate) loss: Loss,
-    /// The workloads that [`Figures::lost`] is the worst of.
-    pub(crate) losing: Vec<&'a str>,
-    /// In the order of the record.
-    pub(crate) kernels: Vec<Figures<'a>>,
+    /// The workloads that [`KernelFigures::lost`] takes the worst of.
+    pub(crate) loss_workloads: Vec<&'a str>,
+    /// The kernels, in the order of the record.
+    pub(crate) kernels: Vec<KernelFigures<'a>>,
 }
 
 impl Group<'_> {
-    /// The fastest of a face in one thread, and all that tie with it.
-    pub(crate) fn fastest(&self, face: &str) -> Vec<&Figures<'_>> {
-        fastest_of(self.kernels.iter(), face)
+    /// The fastest kernel at a width in one thread, and all that tie with it.
+    pub(crate) fn fastest(&self, width: &str) -> Vec<&KernelFigures<'_>> {
+        fastest_of(self.kernels.iter(), width)
     }
 
-    /// Whether a kernel of the group is one of these.
-    pub(crate) fn is_among_the_fastest(&self, kernel: &Figures, face: &str) -> bool {
-        self.fastest(face).iter().any(|best| best.kernel.id == kernel.kernel.id)
+    /// Whether a kernel is one of [`Group::fastest`].
+    pub(crate) fn is_among_the_fastest(&self, kernel: &KernelFigures, width: &str) -> bool {
+        self.fastest(width).iter().any(|best| best.method.id == kernel.method.id)
     }
 
-    /// The title, with what the names lack where that is not the same.
+    /// The title, and in brackets the parts of the IDs that the names leave out, if these differ from the title.
     pub(crate) fn heading(&self) -> String {
         let several_methods = !self.is_base() && !self.prefix.ends_with(&format!("/{}/", self.shape));
         if self.prefix.strip_suffix('/') == Some(self.title.as_str()) {
@@ -46,40 +47,40 @@ impl Group<'_> {
         }
     }
 
-    /// Whether these are kernels of primitives, not instances of one.
+    /// Whether these are kernels of a primitive and not instances.
     pub(crate) fn is_base(&self) -> bool {
         self.title == self.shape
     }
 
-    /// What [`Figures::lost`] counts, per million of what, over which workloads.
+    /// The meaning of [`KernelFigures::lost`] in words: the lost rays, the base of the rate, and the workloads.
     pub(crate) fn lost_means(&self) -> String {
         let what = match self.loss {
             Loss::Leaks => "leaks per million rays that exactly hit a mesh, edges included",
-            Loss::WithBoundary => {
-                "lost rays (false misses, and boundary hits reported as none) per million that exactly hit"
-            }
-            Loss::Strict => "lost rays (false misses) per million that exactly hit, boundaries apart",
+            Loss::WithBoundary => "lost rays (false misses and missed boundary hits) per million that exactly hit",
+            Loss::Strict => "lost rays (false misses) per million that exactly hit, boundary hits excluded",
         };
-        let worst = if self.losing.len() > 1 { "the worst of" } else { "of" };
-        format!("{what}; {worst} {}", self.losing.join(", "))
+        let worst = if self.loss_workloads.len() > 1 { "worst of" } else { "on" };
+        format!("{what}; {worst} {}", self.loss_workloads.join(", "))
     }
 }
 
 /// Which rays count as lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Loss {
-    /// Those that hit a mesh: a neighbour may catch what one triangle loses.
+    /// Rays that hit a mesh and are reported to miss all of it. A neighbour may catch what one triangle loses.
     Leaks,
-    /// All that hit, the boundary included, which nothing else would catch.
+    /// Rays that hit and are reported to miss, on the boundary too: nothing else would catch them.
     WithBoundary,
-    /// Those that hit but not on the boundary: where a surface is curved, its silhouette is nobody's edge.
+    /// Rays that hit and are reported to miss, without those on the boundary: the silhouette of a curved surface is no
+    /// edge that another surface shares.
     Strict,
 }
 
 impl Loss {
     pub(crate) const ALL: [Self; 3] = [Self::Leaks, Self::WithBoundary, Self::Strict];
 
-    fn by(shape: &str, mesh: bool) -> Self {
+    /// The definition for a shape; `mesh` says whether its kernels were tested on meshes.
+    fn for_shape(shape: &str, mesh: bool) -> Self {
         match (shape, mesh) {
             (_, true) => Self::Leaks,
             ("quadric", _) => Self::Strict,
@@ -87,7 +88,8 @@ impl Loss {
         }
     }
 
-    fn of(self, row: &AccuracyRow) -> Option<Rate> {
+    /// The rate of lost rays in a row.
+    fn rate(self, row: &AccuracyRow) -> Option<Rate> {
         match self {
             Self::Leaks => leaks(row),
             Self::WithBoundary => lost_by_boxes(row),
@@ -95,7 +97,7 @@ impl Loss {
         }
     }
 
-    /// Whether a regime's rays are aimed at what may be lost so.
+    /// Whether the rays of a regime are aimed where rays can be lost in this way.
     fn concerns(self, regime: &RegimeRow) -> bool {
         let one_of = |names: &[&str]| names.contains(&regime.name.as_str());
         match self {
@@ -106,13 +108,13 @@ impl Loss {
     }
 }
 
-/// The kernels of a record, grouped, in its order.
+/// The kernels of a record in groups, in the order of the record.
 pub(crate) fn groups(record: &Record) -> Vec<Group<'_>> {
     grouped(record, record.methods.iter())
 }
 
-/// The same, with only those instances whose inner kernel is that of several methods: regimes and maps, which are about
-/// the transform, then compare methods with one kernel inside, and not kernels.
+/// Like [`groups`], but an instance is kept only if several methods of instancing have its inner kernel. Regimes and
+/// maps of instances are about the transform, so they compare methods with the same kernel inside.
 pub(crate) fn groups_of_methods(record: &Record) -> Vec<Group<'_>> {
     let is_of_several = |kernel: &&MethodRow| match inner(&kernel.id) {
         Some(own) => record.methods.iter().filter(|other| inner(&other.id) == Some(own)).count() > 1,
@@ -121,18 +123,19 @@ pub(crate) fn groups_of_methods(record: &Record) -> Vec<Group<'_>> {
     grouped(record, record.methods.iter().filter(is_of_several))
 }
 
-/// What an instance is of: an instance is named `instance/method/family/method`, anything else `family/method`.
+/// The ID of the kernel inside an instance: `family/method` in `instance/method/family/method`. `None` for other
+/// kernels.
 fn inner(id: &str) -> Option<&str> {
     id.splitn(3, '/').nth(2)
 }
 
-/// The family of what an instance is of.
+/// The family of the kernel inside an instance.
 fn inner_family(id: &str) -> Option<&str> {
     inner(id).and_then(|inner| inner.split('/').next())
 }
 
 impl MethodRow {
-    /// What is hit in the end: the family, or that of the kernel inside an instance.
+    /// The shape that is hit: the kernel's family, or for an instance the family of the kernel inside.
     pub(crate) fn shape(&self) -> &str {
         inner_family(&self.id).unwrap_or(&self.family)
     }
@@ -159,20 +162,20 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
     let prefix = common_prefix(kernels);
     let suffix = common_suffix(kernels, prefix);
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
-    let loss = Loss::by(shape, mesh);
-    let losing = losing_workloads(record, shape, loss, kernels);
+    let loss = Loss::for_shape(shape, mesh);
+    let loss_workloads = workloads_aimed_at_losses(record, shape, loss, kernels);
     let kernels = kernels
         .iter()
         .map(|&kernel| {
-            let rows = rows_of(record, &kernel.id).filter(|row| losing.contains(&row.workload.as_str()));
-            let rates = rows.filter_map(|row| Some((loss.of(row)?, row)));
+            let rows = rows_of(record, &kernel.id).filter(|row| loss_workloads.contains(&row.workload.as_str()));
+            let rates = rows.filter_map(|row| Some((loss.rate(row)?, row)));
             let rates: Vec<(Rate, &AccuracyRow)> = rates.collect();
             let worst = rates.iter().max_by(|(a, _), (b, _)| a.per_million.total_cmp(&b.per_million));
-            // Where nothing was lost anywhere, it was lost by none of all these rays.
+            // If no ray was lost anywhere, the zero is about all of these rays.
             let all = rates.iter().map(|(rate, _)| rate.of).sum();
             let lost = worst.map(|(rate, _)| if rate.per_million == 0.0 { Rate { of: all, ..*rate } } else { *rate });
-            Figures {
-                kernel,
+            KernelFigures {
+                method: kernel,
                 name: kernel.id[prefix.len()..kernel.id.len() - suffix.len()].replace(&format!("/{shape}/"), "/"),
                 lost,
                 lost_in: worst.filter(|(rate, _)| rate.per_million > 0.0).map(|&(_, row)| row),
@@ -180,11 +183,11 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
             }
         })
         .collect();
-    Group { title, prefix: prefix.to_owned(), subject, shape, loss, losing, kernels }
+    Group { title, prefix: prefix.to_owned(), subject, shape, loss, loss_workloads, kernels }
 }
 
-/// Workloads whose rays are aimed at what a kernel may lose.
-fn losing_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&MethodRow]) -> Vec<&'a str> {
+/// The workloads whose rays are aimed where a kernel may lose rays.
+fn workloads_aimed_at_losses<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&MethodRow]) -> Vec<&'a str> {
     let loses = |regime: &&RegimeRow| regime.family == shape && loss.concerns(regime);
     let measured =
         |workload: &&str| kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.workload == *workload));
@@ -192,14 +195,14 @@ fn losing_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[
     ["edge"].into_iter().chain(regimes).filter(measured).collect()
 }
 
-/// The longest common beginning that ends with a slash.
+/// The longest common beginning of the IDs that ends with a slash.
 fn common_prefix<'a>(kernels: &[&'a MethodRow]) -> &'a str {
     let first = kernels[0].id.as_str();
     let mut ends = first.match_indices('/').map(|(slash, _)| &first[..=slash]);
     ends.rfind(|prefix| kernels.iter().all(|kernel| kernel.id.starts_with(prefix))).unwrap_or("")
 }
 
-/// The longest common ending, after the prefix, that begins with a slash.
+/// The longest common ending of the IDs, after the prefix, that begins with a slash.
 fn common_suffix<'a>(kernels: &[&'a MethodRow], prefix: &str) -> &'a str {
     let first = &kernels[0].id[prefix.len()..];
     let mut starts = first.match_indices('/').map(|(slash, _)| &first[slash..]);
@@ -212,7 +215,7 @@ mod tests {
     use crate::study::tests::fixture::{all_ids, record_of};
 
     #[test]
-    fn boxes_lose_strict_hits_and_boundary_hits() {
+    fn a_box_loses_strict_hits_and_boundary_hits() {
         let mut record = record_of(&["aabb/division".into()]);
         record.accuracy.retain(|row| row.severity.is_none());
         let row = record.accuracy.iter_mut().find(|row| row.workload == "edge").unwrap();
@@ -223,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_lost_is_the_worst_of_the_workloads_that_aim_at_it() {
+    fn lost_rays_come_from_the_worst_workload_aimed_at_losses() {
         let mut record = record_of(&["triangle/cramer".into(), "aabb/division".into()]);
         for row in &mut record.accuracy {
             (row.leak_per_million, row.false_miss_per_million, row.boundary_none) = (0.0, 0.0, 0);
@@ -231,14 +234,14 @@ mod tests {
             if (row.workload.as_str(), row.severity) == worst {
                 (row.leak_per_million, row.false_miss_per_million) = (70.0, 100.0);
             }
-            // Neither is aimed at what could be lost.
+            // Neither workload is aimed at edges, so neither counts.
             if row.workload == "generic" || row.workload == "offset" {
                 (row.leak_per_million, row.false_miss_per_million) = (1e5, 1e5);
             }
         }
         let groups = groups(&record);
-        assert_eq!(groups[0].losing, ["edge", "shared_edge", "vertex_fan", "closed_mesh"]);
-        assert_eq!(groups[1].losing, ["edge", "box_edge", "box_corner", "parallel", "flat"]);
+        assert_eq!(groups[0].loss_workloads, ["edge", "shared_edge", "vertex_fan", "closed_mesh"]);
+        assert_eq!(groups[1].loss_workloads, ["edge", "box_edge", "box_corner", "parallel", "flat"]);
         let [triangle, bounds] = [0, 1].map(|group: usize| &groups[group].kernels[0]);
         assert_eq!(triangle.lost, Rate::new(70.0, 20_000));
         assert_eq!(triangle.lost_in.map(|row| row.severity), Some(Some(256.0)));
@@ -247,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_lost_is_nothing_of_all_rays() {
+    fn a_zero_of_lost_rays_counts_all_rays() {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 0.0);
         let all = record.accuracy.iter().map(|row| row.mesh_hits).sum();
@@ -257,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn instances_are_grouped_by_what_they_are_instances_of() {
+    fn instances_are_grouped_by_the_shape_inside() {
         let record = record_of(&all_ids());
         let groups = groups(&record);
         let titles: Vec<_> = groups.iter().map(|group| group.title.as_str()).collect();
@@ -274,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn methods_are_compared_with_one_kernel_inside() {
+    fn methods_of_instancing_are_compared_with_the_same_kernel_inside() {
         let record = record_of(&all_ids());
         let names = |group: &Group| group.kernels.iter().map(|kernel| kernel.name.clone()).collect::<Vec<_>>();
         let (groups, methods) = (groups(&record), groups_of_methods(&record));
@@ -284,7 +287,7 @@ mod tests {
         assert_eq!([&methods[0].subject, &groups[3].subject], ["triangle", "instance of triangle"]);
         assert_eq!(names(&methods[3]), ["subtract_first", "inverse", "f64", "baked"]);
         assert_eq!(names(&methods[4]), ["subtract_first", "inverse", "f64"]);
-        // One method is nothing to compare.
+        // A single method has nothing to be compared with.
         let record = record_of(&["triangle/cramer".into(), "instance/subtract_first/triangle/cramer".into()]);
         assert_eq!(groups_of_methods(&record).len(), 1);
     }

@@ -1,34 +1,34 @@
-//! What the record says about one kernel.
+//! The figures of one kernel.
 
 use std::collections::BTreeSet;
 
 use super::rate::{Rate, ulp_p99};
 use crate::study::record::{AccuracyRow, KernelRow, MethodRow, Record, SpeedRow};
 
-/// What the record says about one kernel.
+/// One kernel, and access to all of its rows.
 #[derive(Debug)]
-pub(crate) struct Figures<'a> {
-    /// The kernel.
-    pub(crate) kernel: &'a MethodRow,
-    /// What distinguishes its ID within its group, the family of an instance's inner kernel left out: that is in the group's
-    /// title.
+pub(crate) struct KernelFigures<'a> {
+    /// The kernel's description of itself.
+    pub(crate) method: &'a MethodRow,
+    /// The part of its ID that distinguishes it within its group. For an instance, the family of the inner kernel is
+    /// left out, because the group's title names it.
     pub(crate) name: String,
-    /// Rays that exactly hit and are reported to hit nothing, by [`Group::loss`]: the worst of [`Group::losing`] and their severities, or, where
-    /// there are none, all of them together.
+    /// Lost rays, as the group defines them. The worst workload and severity counts. If no ray was lost in any of them,
+    /// all of them together.
     pub(crate) lost: Option<Rate>,
-    /// The row that `lost` is from, if any were.
+    /// The row with the most lost rays per million; `None` if no ray was lost.
     pub(crate) lost_in: Option<&'a AccuracyRow>,
     pub(super) record: &'a Record,
 }
 
-impl<'a> Figures<'a> {
-    /// Throughput of a face.
-    pub(crate) fn speed(&self, face: &str, threads: usize) -> Option<&'a SpeedRow> {
+impl<'a> KernelFigures<'a> {
+    /// Throughput at a width, with this number of threads.
+    pub(crate) fn speed(&self, width: &str, threads: usize) -> Option<&'a SpeedRow> {
         let mut rows = self.record.speed.iter();
-        rows.find(|row| row.id == self.kernel.id && row.face == face && row.threads == threads)
+        rows.find(|row| row.id == self.method.id && row.width == width && row.threads == threads)
     }
 
-    /// Errors on a workload that has no severities.
+    /// Errors on a workload without severities.
     pub(crate) fn accuracy(&self, workload: &str) -> Option<&'a AccuracyRow> {
         self.rows(workload).find(|row| row.severity.is_none())
     }
@@ -39,40 +39,40 @@ impl<'a> Figures<'a> {
     }
 
     fn rows(&self, workload: &str) -> impl Iterator<Item = &'a AccuracyRow> {
-        rows_of(self.record, &self.kernel.id).filter(move |row| row.workload == workload)
+        rows_of(self.record, &self.method.id).filter(move |row| row.workload == workload)
     }
 
     /// Nanoseconds per test in one thread.
-    pub(crate) fn ns(&self, face: &str) -> Option<f64> {
-        self.speed(face, 1).map(|row| row.ns_per_test)
+    pub(crate) fn ns(&self, width: &str) -> Option<f64> {
+        self.speed(width, 1).map(|row| row.ns_per_test)
     }
 
     /// Million tests per second.
-    pub(crate) fn mtests(&self, face: &str, threads: usize) -> Option<f64> {
-        self.speed(face, threads).map(|row| row.tests_per_second / 1e6)
+    pub(crate) fn mtests(&self, width: &str, threads: usize) -> Option<f64> {
+        self.speed(width, threads).map(|row| row.tests_per_second / 1e6)
     }
 
-    /// How much less time a test takes in a packet of eight rays.
+    /// Time of a scalar test over the time of a test in a packet of eight rays.
     pub(crate) fn gain(&self) -> Option<f64> {
         Some(self.ns("1x1")? / self.ns("8x1")?)
     }
 
-    /// The figures of eight rays against one primitive at a glance.
+    /// The summary of eight rays against one primitive.
     pub(crate) fn packet(&self) -> Option<&'a KernelRow> {
-        self.record.kernels.iter().find(|row| row.id == self.kernel.id && row.face == "8x1")
+        self.record.kernels.iter().find(|row| row.id == self.method.id && row.width == "8x1")
     }
 
-    /// What share of the time of a packet its busiest class of operations takes at least.
+    /// The packet's limit as a share of its time.
     pub(crate) fn limit_share(&self) -> Option<f64> {
         self.packet()?.limit_share
     }
 
-    /// The same of scalar code, were a scalar operation to take as long as one on eight lanes.
+    /// The limit of scalar code as a share of its time, as if a scalar operation took as long as one on eight lanes.
     pub(crate) fn scalar_limit_share(&self) -> Option<f64> {
         Some(8.0 * self.packet()?.limit_ns? / self.ns("1x1")?).filter(|share| share.is_finite())
     }
 
-    /// 99th percentile of the error of `t` over generic rays.
+    /// 99th percentile of the error of `t` on generic rays, in ulp.
     pub(crate) fn ulp(&self) -> Option<u64> {
         self.accuracy("generic").and_then(ulp_p99)
     }
@@ -87,23 +87,24 @@ pub(super) fn rows_of<'a>(record: &'a Record, id: &str) -> impl Iterator<Item = 
     record.accuracy.iter().filter(move |row| row.id == id)
 }
 
-/// The fastest of some kernels, in a face and one thread, before all that tie with it, in order of their speed.
+/// The fastest of these kernels at a width, in one thread, followed by all that tie with it, in order of their speed.
 pub(crate) fn fastest_of<'k, 'a: 'k>(
-    kernels: impl Iterator<Item = &'k Figures<'a>>,
-    face: &str,
-) -> Vec<&'k Figures<'a>> {
-    let mut timed: Vec<_> = kernels.filter_map(|kernel| Some((kernel, kernel.speed(face, 1)?))).collect();
+    kernels: impl Iterator<Item = &'k KernelFigures<'a>>,
+    width: &str,
+) -> Vec<&'k KernelFigures<'a>> {
+    let mut timed: Vec<_> = kernels.filter_map(|kernel| Some((kernel, kernel.speed(width, 1)?))).collect();
     timed.sort_by(|(_, a), (_, b)| a.ns_per_test.total_cmp(&b.ns_per_test));
     let Some(&(_, first)) = timed.first() else { return Vec::new() };
     timed.into_iter().filter(|(_, row)| tied(first, row)).map(|(kernel, _)| kernel).collect()
 }
 
-/// Whether two timings differ by no more than the sum of their median absolute deviations: they are then not ranked.
+/// Whether two timings tie: they differ by at most the sum of their median absolute deviations, so neither counts as
+/// faster.
 pub(crate) fn tied(a: &SpeedRow, b: &SpeedRow) -> bool {
     (a.ns_per_test - b.ns_per_test).abs() <= a.ns_per_test_mad + b.ns_per_test_mad
 }
 
-/// The numbers of threads that occur, ascending.
+/// The distinct numbers of threads, ascending.
 pub(crate) fn thread_counts(threads: impl Iterator<Item = usize>) -> BTreeSet<usize> {
     threads.collect()
 }

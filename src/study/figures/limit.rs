@@ -1,18 +1,20 @@
-//! The least time that a kernel could take on this machine: its counted operations times their measured rates.
+//! The limit of a kernel: the least time it could take on this machine. It is the number of its operations, counted by
+//! hand, times their measured rates.
 
 use crate::study::record::{OperationCounts, RateRow};
 
-/// What the busiest class of operations of a test takes at least.
+/// The least time of the busiest class of a kernel's operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limit {
     /// Nanoseconds for eight tests at once.
     pub(crate) ns: f64,
-    /// As in [`RateRow::operation`].
+    /// The busiest class, as in [`RateRow::operation`].
     pub(crate) class: &'static str,
 }
 
 impl Limit {
-    /// `None` where a rate is missing. What is counted in `f64` takes its own time in the same units.
+    /// The limit of these operations; `None` if a rate that it needs is missing. Operations in `f64` use the same units
+    /// of the processor, but have rates of their own.
     pub(crate) fn of(operations: &OperationCounts, rates: &[RateRow]) -> Option<Self> {
         let ns = |operation: &str, precision: &str, count: u32| {
             let rate = || rates.iter().find(|row| row.operation == operation && row.precision == precision);
@@ -82,13 +84,16 @@ mod tests {
         assert_eq!(limit(OperationCounts { mul: 4, add: 4, compare: 5, ..none }), Some(("add", 9.0)));
         assert_eq!(limit(OperationCounts { mul: 9, div: 2, ..none }), Some(("divide", 14.0)));
         assert_eq!(limit(OperationCounts { mul: 9, reads: 20, ..none }), Some(("load", 10.0)));
-        // A fused pair is one operation, of the multiplier.
+        // A fused multiply-add is one operation of the multiplier.
         assert_eq!(limit(OperationCounts { mul: 9, add: 9, fused: 9, compare: 8, ..none }), Some(("multiply", 9.0)));
         assert_eq!(limit(OperationCounts { mul: 9, mul_f64: 9, add: 1, ..none }), Some(("multiply", 18.0)));
         assert_eq!(limit(OperationCounts { mul: 3, div: 2, div_f64: 1, ..none }), Some(("divide", 21.0)));
         rates.retain(|row| row.operation != "divide");
         let limit = |operations: OperationCounts| Limit::of(&operations, &rates);
         assert_eq!(limit(OperationCounts { div: 1, ..none }), None);
-        assert!(limit(OperationCounts { mul: 1, ..none }).is_some(), "what is not needed need not be known");
+        assert!(
+            limit(OperationCounts { mul: 1, ..none }).is_some(),
+            "a missing rate does not matter if it is not needed"
+        );
     }
 }

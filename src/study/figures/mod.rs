@@ -1,5 +1,5 @@
-//! What the record's rows say when they are read together: rates, groups of kernels, what fails where, and the rows that
-//! follow from others.
+//! Figures that follow from the rows of a record: rates, groups of kernels, failures, limits, ratios of the tracer. Two
+//! files also derive rows of the record from other rows: `summary` and `claims`.
 
 pub mod claims;
 pub(crate) mod failures;
@@ -14,5 +14,5 @@ pub(crate) mod tracer;
 
 pub(crate) use format::{MISSING, count, number, optional, percent, severity, si, times};
 pub(crate) use group::{Group, Loss, groups, groups_of_methods};
-pub(crate) use kernel::{Figures, fastest_of, thread_counts, tied};
+pub(crate) use kernel::{KernelFigures, fastest_of, thread_counts, tied};
 pub(crate) use rate::Rate;

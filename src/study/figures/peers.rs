@@ -1,15 +1,16 @@
-//! How fast is fast enough: ratios that are aimed at, and whether they are met.
+//! Figures about peers: the fastest configuration of each tracer, ratios of speed, and whether the targets are met.
 
 use crate::study::measure::stats::{mad, median};
 use crate::study::record::{EMBREE, OURS, PeerRow, TargetRow};
 use crate::tracer::Mode;
 
+/// Whether the row is about raylanes in this mode.
 pub(crate) fn is_ours(row: &PeerRow, mode: Mode) -> bool {
     row.tracer == OURS && row.configuration == mode.name()
 }
 
-/// The fastest configuration of every tracer with one thread, among rows of one scene and one set of rays; ours is the automatic
-/// mode.
+/// The fastest one-thread configuration of every tracer. `set` is the rows of one scene and one set of rays. For
+/// raylanes, only mode auto counts.
 pub(crate) fn fastest(set: &[PeerRow]) -> Vec<&PeerRow> {
     let mut fastest: Vec<&PeerRow> = Vec::new();
     for row in set.iter().filter(|row| row.threads == 1 && (row.tracer != OURS || is_ours(row, Mode::Auto))) {
@@ -22,7 +23,7 @@ pub(crate) fn fastest(set: &[PeerRow]) -> Vec<&PeerRow> {
     fastest
 }
 
-/// What our automatic mode is compared with. Where several configurations qualify, it is the fastest of them.
+/// What mode auto of raylanes is compared with: the fastest configuration of this kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Against {
     Embree,
@@ -32,7 +33,7 @@ enum Against {
     OneThread,
 }
 
-/// A ratio to reach, and one to aim at.
+/// A ratio that is required, and a more ambitious one.
 struct Target {
     against: Against,
     least: f64,
@@ -43,7 +44,7 @@ const fn target(against: Against, least: f64, aim: f64) -> Target {
     Target { against, least, aim }
 }
 
-/// Rays that start and run alike.
+/// Targets for coherent rays: those with similar origins and directions.
 const COHERENT: [Target; 4] = [
     target(Against::Embree, 1.5, 2.0),
     target(Against::Rust, 2.0, 2.0),
@@ -51,7 +52,7 @@ const COHERENT: [Target; 4] = [
     target(Against::OneThread, 1.9, 1.9),
 ];
 
-/// Rays that have little in common.
+/// Targets for incoherent rays.
 const INCOHERENT: [Target; 5] = [
     target(Against::WatertightEmbree, 1.2, 1.2),
     target(Against::Embree, 1.0, 1.2),
@@ -60,7 +61,7 @@ const INCOHERENT: [Target; 5] = [
     target(Against::OneThread, 1.9, 1.9),
 ];
 
-/// By how much the time per ray may grow for ten times as many triangles, once the scene is larger than the caches.
+/// Allowed growth of the time per ray for ten times as many triangles, once the scene is larger than the caches.
 const GROWTH: f64 = 1.35;
 
 impl Against {
@@ -86,15 +87,15 @@ impl Against {
     }
 }
 
-/// Rays per second of one configuration over those of another, within each round: its median, and the median absolute
-/// deviation from that.
+/// Rays per second of one configuration over those of another. The ratio is formed within each round. Returns the
+/// median of the ratios, and their median absolute deviation.
 pub fn ratio(of: &PeerRow, to: &PeerRow) -> (f64, f64) {
     let ratios: Vec<f64> = of.mrays_of_rounds.iter().zip(&to.mrays_of_rounds).map(|(of, to)| of / to).collect();
     (median(&ratios), mad(&ratios))
 }
 
-/// Judges our automatic mode by every target, for each scene and set of rays; a target whose peers took no part is left open.
-/// `cache_bytes` is the size of the last-level cache, where it is known.
+/// Judges mode auto of raylanes by every target, for each scene and set of rays. A target stays open if none of its
+/// peers took part. `cache_bytes` is the size of the last-level cache, if known.
 pub fn judge(rows: &[PeerRow], cache_bytes: Option<u64>) -> Vec<TargetRow> {
     let mut judged = Vec::new();
     for set in rows.chunk_by(|a, b| a.scene == b.scene && a.rays == b.rays) {
@@ -122,7 +123,8 @@ pub fn judge(rows: &[PeerRow], cache_bytes: Option<u64>) -> Vec<TargetRow> {
     judged
 }
 
-/// For each scene that is there in several sizes, `name:size`, what ten times as many triangles cost per ray.
+/// For each scene that occurs in several sizes (`name:size`): the growth of the time per ray for ten times as many
+/// triangles.
 fn growth(rows: &[PeerRow], cache_bytes: Option<u64>) -> Vec<TargetRow> {
     let mut ours: Vec<&PeerRow> = rows.iter().filter(|row| is_ours(row, Mode::Auto) && row.threads == 1).collect();
     let family = |row: &PeerRow| row.scene.split_once(':').map(|(name, _)| name.to_owned());
@@ -149,7 +151,7 @@ fn growth(rows: &[PeerRow], cache_bytes: Option<u64>) -> Vec<TargetRow> {
             aim: None,
             ratio: Some(ratio),
             ratio_mad: Some(ratio * (spread(small) + spread(large)) / tens),
-            // From within the caches to beyond them it has to grow.
+            // From a scene within the caches to one beyond them, the time must grow.
             met: beyond_caches.then_some(ratio <= GROWTH),
         });
     }
@@ -162,7 +164,7 @@ mod tests {
     use crate::study::tests::fixture::peer_row;
 
     fn verdict(judged: &[TargetRow], against: Against) -> (Option<&str>, Option<f64>, Option<bool>) {
-        let row = judged.iter().find(|row| row.against == against.describe()).expect("every target is judged");
+        let row = judged.iter().find(|row| row.against == against.describe()).expect("every target must be judged");
         (row.peer.as_deref(), row.ratio, row.met)
     }
 
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn growth_is_per_factor_of_ten_and_judged_beyond_the_caches() {
+    fn growth_is_per_factor_of_ten_and_judged_only_beyond_the_caches() {
         let of_size = |scene: &str, triangles, mrays| {
             let mut row = peer_row(OURS, "auto", 1, &[mrays]);
             (row.scene, row.triangles, row.bytes_per_triangle) = (scene.into(), triangles, Some(100.0));

@@ -1,21 +1,21 @@
-//! Rates per million, and which of them a row of errors gives.
+//! Rates of errors, in events per million, and how to read them from a row of errors.
 
 use std::fmt;
 
 use super::format::number;
 use crate::study::record::AccuracyRow;
 
-/// So many per million, of a number of rays or pairs.
+/// Events per million rays or ray-primitive pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rate {
     /// Events per million.
     pub(crate) per_million: f64,
-    /// The base.
+    /// Number of rays or pairs: the base of the rate.
     pub(crate) of: u64,
 }
 
 impl Rate {
-    /// `None` where the base is empty.
+    /// `None` if the base is empty or the rate is not a number.
     pub(crate) fn new(per_million: f64, of: u64) -> Option<Self> {
         (of > 0 && per_million >= 0.0 && per_million.is_finite()).then_some(Self { per_million, of })
     }
@@ -25,7 +25,7 @@ impl Rate {
         self.per_million * self.of as f64 / 1e6
     }
 
-    /// The rate; for a zero its 95 % bound, `3/n`.
+    /// The rate. For a rate of zero, its 95 % upper bound: three events in the whole base.
     pub(crate) fn or_bound(self) -> f64 {
         if self.per_million > 0.0 { self.per_million } else { 3e6 / self.of as f64 }
     }
@@ -41,39 +41,39 @@ impl fmt::Display for Rate {
     }
 }
 
-/// Rays that hit a mesh and are lost.
+/// Leaks: rays that exactly hit a mesh and are reported to miss it.
 pub(crate) fn leaks(row: &AccuracyRow) -> Option<Rate> {
     Rate::new(row.leak_per_million, row.mesh_hits)
 }
 
-/// Rays that hit one triangle of a mesh strictly inside, and are reported to hit several.
-pub(crate) fn doubles(row: &AccuracyRow) -> Option<Rate> {
-    Rate::new(row.double_per_million, row.single_hits)
+/// Double hits: rays that exactly hit one triangle of a mesh, strictly inside, and are reported to hit several.
+pub(crate) fn double_hits(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.double_hit_per_million, row.single_hits)
 }
 
-/// A box has no neighbour that could catch what it loses, so its boundary counts like its interior.
+/// Rays that a box loses. A box has no neighbour that could catch a lost ray, so its boundary counts like its interior.
 pub(crate) fn lost_by_boxes(row: &AccuracyRow) -> Option<Rate> {
     let of = row.exact_hits + row.boundary_none + row.boundary_one + row.boundary_many;
-    // Without strict hits their rate has no meaning, and may be anything.
+    // The rate is meaningless, and may even be NaN, if its base is empty.
     let strict = Rate::new(row.false_miss_per_million, row.exact_hits).map_or(0.0, Rate::events);
     Rate::new((strict + row.boundary_none as f64) / of as f64 * 1e6, of)
 }
 
-/// False misses and false hits together.
+/// Wrong answers: false misses and false hits together.
 pub(crate) fn wrong(row: &AccuracyRow) -> Option<Rate> {
     let sides = [(row.false_miss_per_million, row.exact_hits), (row.false_hit_per_million, row.exact_misses)];
-    // A rate of nothing has no meaning, and may be anything.
+    // A rate is meaningless, and may even be NaN, if its base is empty.
     let events: f64 = sides.iter().filter_map(|&(rate, of)| Rate::new(rate, of)).map(Rate::events).sum();
     let of = row.exact_hits + row.exact_misses;
     Rate::new(events / of as f64 * 1e6, of)
 }
 
-/// Agreed hits whose `t` is off by more than 1 %.
+/// Gross errors: agreed hits whose `t` is off by more than 1 %.
 pub(crate) fn gross(row: &AccuracyRow) -> Option<Rate> {
     Rate::new(row.gross_per_million, row.agreed_hits)
 }
 
-/// The 99th percentile of the error of `t`, where there are hits whose `t` could err.
+/// 99th percentile of the error of `t` in ulp; `None` if there are no agreed hits.
 pub(crate) fn ulp_p99(row: &AccuracyRow) -> Option<u64> {
     (row.agreed_hits > 0).then_some(row.t_ulp_p99)
 }
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_zero_rate_is_a_bound() {
+    fn a_zero_rate_is_shown_with_its_bound() {
         assert_eq!(Rate::new(0.0, 100_000).unwrap().to_string(), "0 (< 30)");
         assert_eq!(Rate::new(10.0, 100_000).unwrap().to_string(), "10.0");
         assert_eq!(Rate::new(0.0, 0), None);

@@ -1,10 +1,10 @@
-//! The figures of a kernel that matter most, brought together from the lists of a record.
+//! The summary of each kernel: its most important figures, collected from the other rows of a record.
 
 use super::limit::Limit;
-use super::rate::{Rate, doubles, leaks, ulp_p99};
+use super::rate::{Rate, double_hits, leaks, ulp_p99};
 use crate::study::record::{AccuracyRow, KernelRow, MethodRow, Record, SpeedRow};
 
-/// Kernel × face, in one thread.
+/// Kernel × width, in one thread. Reads all other rows about kernels, so call it last.
 pub(crate) fn kernels(record: &Record) -> Vec<KernelRow> {
     let rows = record.speed.iter().filter(|row| row.threads == 1);
     rows.filter_map(|speed| Some(row(record, record.methods.iter().find(|method| method.id == speed.id)?, speed)))
@@ -19,24 +19,24 @@ fn row(record: &Record, method: &MethodRow, speed: &SpeedRow) -> KernelRow {
         rows().filter_map(figure).map(|rate| rate.per_million).reduce(f64::max)
     };
     let ulp = |figure: fn(&AccuracyRow) -> u64| generic.filter(|row| ulp_p99(row).is_some()).map(figure);
-    let width = if speed.face == "1x1" { 1 } else { 8 };
+    let lanes = if speed.width == "1x1" { 1 } else { 8 };
     // One ray against eight primitives reads eight numbers wherever eight rays read one.
-    let limit = Limit::of(&method.operations, &record.rates).filter(|_| width == 8);
+    let limit = Limit::of(&method.operations, &record.rates).filter(|_| lanes == 8);
     let limit_ns = limit.map(|limit| limit.ns / 8.0);
     KernelRow {
         id: method.id.clone(),
         shape: method.shape().into(),
-        face: speed.face.clone(),
-        width,
+        width: speed.width.clone(),
+        lanes,
         ns_per_test: speed.ns_per_test,
         ns_per_test_mad: speed.ns_per_test_mad,
         tests_per_second: speed.tests_per_second,
         prepared_bytes: method.prepared_bytes,
-        setup_ns: if width == 1 { method.setup_ns } else { method.setup_ns_packet },
+        setup_ns: if lanes == 1 { method.setup_ns } else { method.setup_ns_packet },
         false_miss_per_million: rate(generic.and_then(|row| Rate::new(row.false_miss_per_million, row.exact_hits))),
         false_hit_per_million: rate(generic.and_then(|row| Rate::new(row.false_hit_per_million, row.exact_misses))),
         leak_per_million: worst(leaks),
-        double_per_million: worst(doubles),
+        double_hit_per_million: worst(double_hits),
         t_ulp_p50: ulp(|row| row.t_ulp_p50),
         t_ulp_p99: ulp(|row| row.t_ulp_p99),
         t_ulp_max: ulp(|row| row.t_ulp_max),
@@ -54,7 +54,7 @@ mod tests {
     use crate::study::tests::fixture::record_of;
 
     #[test]
-    fn a_kernel_has_a_row_for_each_face_with_its_worst_leaks() {
+    fn a_kernel_has_a_row_for_each_width_with_its_worst_leaks() {
         let mut record =
             record_of(&["triangle/cramer".into(), "aabb/padded".into(), "instance/f64/quadric/stable".into()]);
         for row in &mut record.accuracy {
@@ -66,12 +66,12 @@ mod tests {
             }
         }
         let rows = kernels(&record);
-        let faces: Vec<_> = rows.iter().map(|row| (row.id.as_str(), row.face.as_str(), row.width)).collect();
+        let widths: Vec<_> = rows.iter().map(|row| (row.id.as_str(), row.width.as_str(), row.lanes)).collect();
         let of = |id| [(id, "1x1", 1), (id, "8x1", 8), (id, "1x8", 8)];
-        assert_eq!(faces, ["triangle/cramer", "aabb/padded", "instance/f64/quadric/stable"].map(of).concat());
+        assert_eq!(widths, ["triangle/cramer", "aabb/padded", "instance/f64/quadric/stable"].map(of).concat());
         let [triangle, packet, bounds, instance] = [0, 1, 3, 6].map(|row| &rows[row]);
         assert_eq!((triangle.leak_per_million, triangle.false_miss_per_million), (Some(70.0), Some(3.0)));
-        assert_eq!((bounds.leak_per_million, bounds.double_per_million), (None, None));
+        assert_eq!((bounds.leak_per_million, bounds.double_hit_per_million), (None, None));
         assert_eq!((instance.shape.as_str(), bounds.shape.as_str()), ("quadric", "aabb"));
         assert_eq!(
             (triangle.setup_ns, packet.setup_ns),

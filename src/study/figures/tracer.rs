@@ -1,5 +1,5 @@
-//! What table, charts and report share about the tracer: modes side by side, more threads against one, how far packets pay,
-//! and growth with size.
+//! Figures of the tracer: modes side by side, several threads against one, packets against single rays as coherence
+//! falls, and growth of the cost with the size of the scene.
 
 use std::fmt;
 
@@ -7,21 +7,21 @@ use super::format::number;
 use crate::study::record::{CoherenceRow, Record, ScalingRow, TracerRow};
 use crate::tracer::Mode;
 
-/// Every mode, as records name them.
+/// The names of all modes, as used in records.
 pub(crate) fn modes() -> [&'static str; 4] {
     Mode::ALL.map(Mode::name)
 }
 
-/// One set of rays of one scene.
+/// One set of rays of one scene, in every mode and with every number of threads.
 #[derive(Debug)]
-pub(crate) struct Traced<'a> {
-    /// Any of its rows: for what they have in common.
+pub(crate) struct TracedSet<'a> {
+    /// Any of its rows, for the fields that all of them share.
     pub(crate) first: &'a TracerRow,
     rows: Vec<&'a TracerRow>,
 }
 
-impl<'a> Traced<'a> {
-    /// All of a record, in its order.
+impl<'a> TracedSet<'a> {
+    /// All sets of a record, in the order of the record.
     pub(crate) fn all(record: &'a Record) -> Vec<Self> {
         let key = |row: &'a TracerRow| [&row.scene, &row.rays, &row.kernel];
         let mut all: Vec<Self> = Vec::new();
@@ -34,7 +34,7 @@ impl<'a> Traced<'a> {
         all
     }
 
-    /// Throughput in a mode.
+    /// The row of a mode with this number of threads.
     pub(crate) fn row(&self, mode: &str, threads: usize) -> Option<&'a TracerRow> {
         self.rows.iter().find(|row| row.mode == mode && row.threads == threads).copied()
     }
@@ -44,12 +44,13 @@ impl<'a> Traced<'a> {
         self.row(mode, threads).map(|row| row.mrays_per_second)
     }
 
-    /// The fastest of these modes in one thread.
+    /// Million rays per second of the fastest of these modes, in one thread.
     pub(crate) fn fastest(&self, modes: &[&str]) -> Option<f64> {
         modes.iter().filter_map(|mode| self.mrays(mode, 1)).reduce(f64::max)
     }
 
-    /// Whether no mode is faster than this row, in as many threads, by more than both median absolute deviations.
+    /// Whether the row is the fastest with its number of threads, or ties with the fastest: no mode is faster by more
+    /// than the sum of both median absolute deviations.
     pub(crate) fn is_among_the_fastest(&self, row: &TracerRow) -> bool {
         let is_faster = |other: &TracerRow| {
             let spread = other.mrays_per_second_mad + row.mrays_per_second_mad;
@@ -58,17 +59,17 @@ impl<'a> Traced<'a> {
         !self.rows.iter().any(|other| is_faster(other))
     }
 
-    /// Mode auto over the faster of the two that it chooses from.
-    pub(crate) fn choice(&self) -> Option<f64> {
+    /// Speed of mode auto over that of the faster of single and packet, in one thread.
+    pub(crate) fn auto_over_best(&self) -> Option<f64> {
         quotient(self.mrays("auto", 1)?, self.fastest(&["single", "packet"])?)
     }
 
-    /// Mode auto over the scalar reference.
+    /// Speed of mode auto over that of mode scalar, in one thread.
     pub(crate) fn gain(&self) -> Option<f64> {
         quotient(self.mrays("auto", 1)?, self.mrays("scalar", 1)?)
     }
 
-    /// How many times as fast several threads are as one.
+    /// Speed with several threads over speed with one thread.
     pub(crate) fn scaling(&self, mode: &str, threads: usize) -> Option<Ratio> {
         let [many, one] = [self.row(mode, threads)?, self.row(mode, 1)?];
         let value = quotient(many.mrays_per_second, one.mrays_per_second)?;
@@ -77,6 +78,7 @@ impl<'a> Traced<'a> {
     }
 }
 
+/// `a / b`; `None` if that is not finite.
 fn quotient(a: f64, b: f64) -> Option<f64> {
     Some(a / b).filter(|quotient| quotient.is_finite())
 }
@@ -85,7 +87,7 @@ fn quotient(a: f64, b: f64) -> Option<f64> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ratio {
     pub(crate) value: f64,
-    /// By how much it changes where both medians are off by their median absolute deviations, in opposite directions.
+    /// How far the ratio can be off if both medians are off by their median absolute deviation, in opposite directions.
     pub(crate) spread: f64,
 }
 
@@ -95,24 +97,24 @@ impl fmt::Display for Ratio {
     }
 }
 
-/// The coherence study of one scene.
+/// The measurements of one scene at all jitters.
 #[derive(Debug)]
 pub(crate) struct Coherence<'a> {
     pub(crate) scene: &'a str,
-    /// From the rays of a picture to random ones.
+    /// Jitters, from 0 (the rays of a picture) to 1 (random rays).
     pub(crate) jitters: Vec<f64>,
     rows: Vec<&'a CoherenceRow>,
 }
 
 impl<'a> Coherence<'a> {
-    /// Those of a record, in its order.
+    /// All scenes of a record, in the order of the record.
     pub(crate) fn all(record: &'a Record) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for row in &record.coherence {
             if all.last().is_none_or(|coherence| coherence.scene != row.scene) {
                 all.push(Self { scene: &row.scene, jitters: Vec::new(), rows: Vec::new() });
             }
-            let coherence = all.last_mut().expect("there is one by now");
+            let coherence = all.last_mut().expect("one was just added if there was none");
             coherence.rows.push(row);
             if !coherence.jitters.contains(&row.jitter) {
                 coherence.jitters.push(row.jitter);
@@ -121,12 +123,12 @@ impl<'a> Coherence<'a> {
         all
     }
 
-    /// What was measured at a jitter.
+    /// The row of a mode at a jitter.
     pub(crate) fn row(&self, jitter: f64, mode: &str) -> Option<&'a CoherenceRow> {
         self.rows.iter().find(|row| row.jitter == jitter && row.mode == mode).copied()
     }
 
-    /// Whether anything was counted in any mode.
+    /// Whether any mode counted visits or tests.
     pub(crate) fn is_counted(&self) -> bool {
         self.rows.iter().any(|row| row.nodes + row.leaves + row.tests > 0)
     }
@@ -135,19 +137,19 @@ impl<'a> Coherence<'a> {
         self.row(jitter, mode).map(|row| row.mrays_per_second)
     }
 
-    /// Packets over single rays.
+    /// Speed of packets over that of single rays.
     pub(crate) fn packet_gain(&self, jitter: f64) -> Option<f64> {
         quotient(self.mrays(jitter, "packet")?, self.mrays(jitter, "single")?)
     }
 
-    /// Mode auto over the faster of the two that it chooses from.
-    pub(crate) fn choice(&self, jitter: f64) -> Option<f64> {
+    /// Speed of mode auto over that of the faster of single and packet.
+    pub(crate) fn auto_over_best(&self, jitter: f64) -> Option<f64> {
         quotient(self.mrays(jitter, "auto")?, self.mrays(jitter, "single")?.max(self.mrays(jitter, "packet")?))
     }
 
-    /// The number of the first jitter at which single rays are faster than packets, by more than both median absolute
-    /// deviations together.
-    pub(crate) fn overtaking(&self) -> Option<usize> {
+    /// Index of the first jitter at which single rays are faster than packets, by more than the sum of both median
+    /// absolute deviations.
+    pub(crate) fn overtaking_step(&self) -> Option<usize> {
         self.jitters.iter().position(|&jitter| {
             let rows = self.row(jitter, "single").zip(self.row(jitter, "packet"));
             rows.is_some_and(|(single, packet)| {
@@ -157,16 +159,16 @@ impl<'a> Coherence<'a> {
         })
     }
 
-    /// The least [`choice`](Self::choice), and the jitter there.
-    pub(crate) fn worst_choice(&self) -> Option<(f64, f64)> {
-        let choices = self.jitters.iter().filter_map(|&jitter| Some((self.choice(jitter)?, jitter)));
+    /// The smallest [`auto_over_best`](Self::auto_over_best), and its jitter.
+    pub(crate) fn worst_auto(&self) -> Option<(f64, f64)> {
+        let choices = self.jitters.iter().filter_map(|&jitter| Some((self.auto_over_best(jitter)?, jitter)));
         choices.min_by(|(a, _), (b, _)| a.total_cmp(b))
     }
 }
 
-/// What was counted, by ray; `None` in modes that do not count.
+/// Counts per ray; `None` in modes that do not count.
 impl CoherenceRow {
-    /// Share of the lanes of eight-wide tests in which a ray that was still looking met a triangle.
+    /// Lane utilisation: the share of the lanes of eight-wide tests in which an active ray met a triangle.
     pub(crate) fn lane_utilisation(&self) -> Option<f64> {
         (self.tests > 0).then(|| self.lanes as f64 / (8 * self.tests) as f64)
     }
@@ -188,7 +190,7 @@ impl CoherenceRow {
     }
 }
 
-/// One set of rays in every size of the scene, from small to large.
+/// One set of rays in every size of a scene, from small to large.
 #[derive(Debug)]
 pub(crate) struct Growth<'a> {
     pub(crate) rays: &'a str,
@@ -196,7 +198,7 @@ pub(crate) struct Growth<'a> {
 }
 
 impl<'a> Growth<'a> {
-    /// Those of a record, in its order.
+    /// All sets of rays of a record, in the order of the record.
     pub(crate) fn all(record: &'a Record) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for row in &record.scaling {
@@ -208,7 +210,8 @@ impl<'a> Growth<'a> {
         all
     }
 
-    /// How much the cost of a ray grows with each size, the first left out, per factor of ten of triangles.
+    /// For each size but the first: the growth of the cost of a ray since the size before, per factor of ten in
+    /// triangles.
     pub(crate) fn per_decade(&self) -> Vec<Option<f64>> {
         let growth = |pair: &[&ScalingRow]| {
             let decades = quotient(pair[1].triangles as f64, pair[0].triangles as f64)?.log10();
@@ -225,11 +228,11 @@ mod tests {
     use crate::study::tests::fixture::record_of;
 
     #[test]
-    fn modes_within_the_noise_of_the_fastest_are_among_the_fastest() {
+    fn modes_within_the_noise_of_the_fastest_tie_with_it() {
         let mut record = record_of(&[]);
         let set = |record: &mut Record, mode: &str, mrays: f64| {
             for row in record.tracer.iter_mut().filter(|row| row.mode == mode) {
-                // Two threads are not compared with one.
+                // Rows with two threads must not be compared with rows of one.
                 row.mrays_per_second = mrays * row.threads as f64;
                 row.mrays_per_second_mad = 0.1;
             }
@@ -237,26 +240,26 @@ mod tests {
         for (mode, mrays) in [("scalar", 2.0), ("single", 9.7), ("packet", 9.85), ("auto", 10.0)] {
             set(&mut record, mode, mrays);
         }
-        let traced = &Traced::all(&record)[0];
+        let traced = &TracedSet::all(&record)[0];
         let fastest = |threads| modes().map(|mode| traced.is_among_the_fastest(traced.row(mode, threads).unwrap()));
         assert_eq!([fastest(1), fastest(2)], [[false, false, true, true], [false, false, false, true]]);
     }
 
     #[test]
-    fn more_threads_are_compared_with_one() {
+    fn several_threads_are_compared_with_one() {
         let mut record = record_of(&[]);
         for row in &mut record.tracer {
             (row.mrays_per_second, row.mrays_per_second_mad) = if row.threads == 1 { (4.0, 0.04) } else { (7.0, 0.14) };
         }
-        let ratio = Traced::all(&record)[0].scaling("auto", 2).unwrap();
+        let ratio = TracedSet::all(&record)[0].scaling("auto", 2).unwrap();
         assert!((ratio.value - 1.75).abs() < 1e-12 && (ratio.spread - 1.75 * 0.03).abs() < 1e-12);
         assert_eq!(ratio.to_string(), "1.75× ± 0.05");
-        assert!(Traced::all(&record)[0].scaling("auto", 3).is_none());
+        assert!(TracedSet::all(&record)[0].scaling("auto", 3).is_none());
     }
 
     #[test]
-    fn single_rays_overtake_packets_where_they_are_faster_by_more_than_the_spread() {
-        let overtaking = |packets: [f64; 4]| {
+    fn single_rays_overtake_packets_at_the_first_gain_above_the_noise() {
+        let overtaking_step = |packets: [f64; 4]| {
             let mut record = record_of(&[]);
             record.coherence.retain(|row| row.scene == "room" && row.jitter <= 0.01);
             for row in &mut record.coherence {
@@ -264,19 +267,19 @@ mod tests {
                 row.mrays_per_second = if row.mode == "packet" { packets[step] } else { 5.0 };
                 row.mrays_per_second_mad = 0.2;
             }
-            Coherence::all(&record)[0].overtaking()
+            Coherence::all(&record)[0].overtaking_step()
         };
-        assert_eq!(overtaking([9.0, 8.0, 6.0, 5.0]), None);
-        assert_eq!(overtaking([9.0, 8.0, 6.0, 4.7]), None, "a tie");
-        assert_eq!(overtaking([9.0, 8.0, 4.5, 6.0]), Some(2));
-        assert_eq!(overtaking([4.0; 4]), Some(0));
+        assert_eq!(overtaking_step([9.0, 8.0, 6.0, 5.0]), None);
+        assert_eq!(overtaking_step([9.0, 8.0, 6.0, 4.7]), None, "a tie");
+        assert_eq!(overtaking_step([9.0, 8.0, 4.5, 6.0]), Some(2));
+        assert_eq!(overtaking_step([4.0; 4]), Some(0));
         let mut record = record_of(&[]);
         record.coherence.retain(|row| row.mode != "single");
-        assert_eq!(Coherence::all(&record)[0].overtaking(), None);
+        assert_eq!(Coherence::all(&record)[0].overtaking_step(), None);
     }
 
     #[test]
-    fn the_worst_choice_is_the_lowest_ratio_to_the_better_mode() {
+    fn the_worst_auto_is_the_lowest_ratio_to_the_better_mode() {
         let mut record = record_of(&[]);
         for row in &mut record.coherence {
             row.mrays_per_second = match (row.mode.as_str(), row.jitter) {
@@ -287,11 +290,11 @@ mod tests {
                 _ => 5.0,
             };
         }
-        assert_eq!(Coherence::all(&record)[1].worst_choice(), Some((0.7, 0.5)));
+        assert_eq!(Coherence::all(&record)[1].worst_auto(), Some((0.7, 0.5)));
     }
 
     #[test]
-    fn growth_is_per_factor_of_ten() {
+    fn growth_is_given_per_factor_of_ten_in_triangles() {
         let mut record = record_of(&[]);
         for row in &mut record.scaling {
             (row.triangles, row.ns_per_ray) = match row.scene.as_str() {
@@ -305,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_and_visits_are_shares_and_by_ray() {
+    fn utilisation_is_a_share_and_counts_are_per_ray() {
         let mut row = record_of(&[]).coherence.remove(0);
         (row.ray_count, row.nodes, row.leaves, row.tests, row.lanes) = (100, 50, 200, 400, 800);
         assert_eq!(row.lane_utilisation(), Some(0.25));

@@ -1,8 +1,8 @@
-//! Errors of kernels against the oracle. Twins are bit-identical, so the scalar one speaks for both.
+//! Errors of kernels against the oracle. Twins give the same bits, so only the scalar twin is run.
 //!
-//! All kernels of a shape are measured on the same rays, whose exact answers are computed once for all of them. Results
-//! depend on seed and number of rays alone: samples are made independently of each other, and what is merged are counts
-//! and sorted lists. So they are equal from run to run, for any number of threads, and in every build.
+//! All kernels of a shape get the same rays, and the exact answers are computed once for all of them. The results
+//! depend only on the seed and the number of rays: samples are made independently of each other, and only counts and
+//! sorted lists are merged. They are therefore equal from run to run, for any number of threads, and in every build.
 
 use rayon::prelude::*;
 
@@ -15,26 +15,26 @@ use crate::registry::Visitor;
 use crate::study::record::{AccuracyRow, MapCells};
 use crate::study::workload::{FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, rng};
 
-/// Samples that one task works through.
+/// Samples per parallel task.
 const SAMPLES_PER_TASK: u64 = 64;
 
-/// A kernel for shapes of type `S`, by what it promises and what it answers.
+/// A kernel for shapes of type `S`, with its type erased.
 #[derive(Clone, Debug)]
 pub struct Measured<S> {
-    /// Its ID.
+    /// Kernel ID.
     pub id: String,
-    /// Its promises.
+    /// What the kernel claims.
     pub claims: &'static [Claim],
-    /// The hits of all rays of a sample: ray by ray, and in each shape by shape.
+    /// The hits of a sample, one for each pair of ray and shape: ray by ray, and for each ray shape by shape.
     hits: fn(&Sample<S>) -> Vec<Hit<f32>>,
 }
 
-/// The kernels of a shape.
+/// All kernels of one shape.
 #[derive(Clone, Debug)]
 pub struct Kernels<S>(Vec<Measured<S>>);
 
 impl<S: Subject> Kernels<S> {
-    /// All that are registered.
+    /// All registered kernels of the shape.
     pub fn registered() -> Self {
         let mut kernels = Self(Vec::new());
         S::visit_kernels(&mut kernels);
@@ -43,14 +43,15 @@ impl<S: Subject> Kernels<S> {
 }
 
 impl<S> Kernels<S> {
-    /// In the order of the registry.
+    /// The kernels, in the order of the registry.
     pub fn iter(&self) -> impl Iterator<Item = &Measured<S>> {
         self.0.iter()
     }
 }
 
 impl<S: Subject> Kernels<S> {
-    /// Measures all of them on a workload: one row each.
+    /// Measures all kernels on a workload, with at least `rays` rays (whole samples). One row per kernel, in the order
+    /// of [`Kernels::iter`].
     pub fn on_workload(&self, workload: Workload, rays: u64, seed: u64) -> Vec<AccuracyRow> {
         self.measure(
             rays,
@@ -63,7 +64,7 @@ impl<S: Subject> Kernels<S> {
         )
     }
 
-    /// Measures all of them on one step of a regime: one row each.
+    /// Measures all kernels on one step of a regime, with at least `rays` rays (whole samples). One row per kernel.
     pub fn on_regime(&self, regime: &Regime<S>, severity: f64, rays: u64, seed: u64) -> Vec<AccuracyRow> {
         let step = severity as f32;
         self.measure(
@@ -107,8 +108,8 @@ impl<S: Subject> Kernels<S> {
             .collect()
     }
 
-    /// Measures all of them on a failure map, with so many rays per cell that exactly hit, or fewer where hardly any does:
-    /// the numbers of these rays, and the cells of each kernel.
+    /// Measures all kernels on a failure map. Each cell gets `rays` rays that exactly hit, or fewer where hits are
+    /// rare. Returns the number of these rays for each cell, and the cells of each kernel.
     pub fn on_map(&self, map: &FailureMap<S>, rays: u64, seed: u64) -> (Vec<u64>, Vec<MapCells>) {
         let cells: Vec<[f32; 2]> = map.cells().collect();
         let (hits, columns): (Vec<u64>, Vec<Vec<Option<u64>>>) =
@@ -124,7 +125,8 @@ impl<S: Subject> Kernels<S> {
     fn on_cell(&self, map: &FailureMap<S>, severities: [f32; 2], rays: u64, seed: u64) -> (u64, Vec<Option<u64>>) {
         let mut errors: Vec<Vec<u32>> = vec![Vec::new(); self.0.len()];
         let mut hits = 0;
-        // Where the worst inputs have no answer at all (a sliver that rounding makes a line), more attempts do not help.
+        // Some of the hardest inputs cannot be hit at all (rounding may turn a sliver into a line), so attempts are
+        // limited.
         for index in 0..16 * rays / RAYS_PER_SAMPLE as u64 {
             let sample = (map.sample)(severities, &mut rng(seed, S::FAMILY, map.name, &severities, index));
             let truths = truths(&sample);
@@ -167,12 +169,12 @@ fn hits<K: Kernel>(sample: &Sample<K::Shape>) -> Vec<Hit<f32>> {
     hits
 }
 
-/// The exact answers, in the order of [`Measured::hits`].
+/// The exact answers for a sample, in the order of [`Measured::hits`].
 fn truths<S: Exact>(sample: &Sample<S>) -> Vec<Truth> {
     sample.rays.iter().flat_map(|ray| sample.shapes.iter().map(|shape| shape.truth(ray))).collect()
 }
 
-/// Where samples come from.
+/// Where samples come from, and what the rows say about their origin.
 struct Source<'a, S> {
     workload: &'a str,
     severity: Option<f64>,
@@ -181,7 +183,7 @@ struct Source<'a, S> {
 }
 
 impl<S> FailureMap<S> {
-    /// Pairs of severities, in the order of [`MapCells::t_ulp_p99`].
+    /// The pairs of severities, in the order of [`MapCells::t_ulp_p99`].
     fn cells(&self) -> impl Iterator<Item = [f32; 2]> {
         let (x, y) = (self.x.steps(), self.y.steps());
         y.into_iter().flat_map(move |y| x.clone().into_iter().map(move |x| [x as f32, y as f32]))

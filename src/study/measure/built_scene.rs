@@ -1,4 +1,4 @@
-//! A scene that is built and ready to be timed, with the rays of a picture of it.
+//! A scene that is built and ready to be timed, together with the ray sets of a picture of it.
 
 use std::time::Instant;
 
@@ -8,27 +8,27 @@ use crate::kernels::triangle::Woop;
 use crate::study::progress::Progress;
 use crate::tracer::{Error, LoadedScene, Scene, SceneSource};
 
-/// What the tracer is measured with, and traces with where nothing else is asked for: a kernel that leaks is no base for
-/// comparing tracers.
+/// The triangle kernel that the tracer is measured with, and its default. It is watertight: a kernel that leaks would
+/// be no fair base for comparing tracers.
 pub type TracerKernel = Woop<f32>;
 
-/// A scene that was built, and the rays of a picture of it.
+/// A scene that is ready to be timed, and the rays of a picture of it.
 #[derive(Debug)]
-pub(crate) struct Stage {
-    /// The scene's name.
+pub(crate) struct BuiltScene {
+    /// Scene name.
     pub(crate) name: String,
     pub(crate) scene: Scene<TracerKernel>,
-    /// On all threads.
+    /// Seconds to build the scene, on all threads.
     pub(crate) build_seconds: f64,
     pub(crate) sets: [RaySet; 4],
 }
 
-impl Stage {
-    /// Builds the scene, and finds the rays of a picture of `size` × `size` pixels.
+impl BuiltScene {
+    /// Builds the scene, and makes the ray sets of a picture of `size` × `size` pixels.
     ///
     /// # Errors
     /// If the scene cannot be loaded.
-    pub(crate) fn set(source: &SceneSource, (size, seed): (u32, u64), progress: &Progress) -> Result<Self, Error> {
+    pub(crate) fn new(source: &SceneSource, (size, seed): (u32, u64), progress: &Progress) -> Result<Self, Error> {
         progress.note(&format!("{}: building", source.name()));
         let LoadedScene { world, view, .. } = source.load()?;
         let start = Instant::now();
@@ -38,12 +38,13 @@ impl Stage {
         Ok(Self { name: source.name(), scene, build_seconds, sets })
     }
 
-    /// ID of the kernel that triangles are intersected by.
+    /// ID of the triangle kernel.
     pub(crate) fn kernel(&self) -> String {
         TracerKernel::INFO.id.to_string()
     }
 
-    /// Bytes of geometries, instances, nodes and prepared primitives, each instantiated primitive counted once.
+    /// Bytes of geometry, instances, nodes and prepared primitives, divided by the number of primitives. A primitive
+    /// counts once, however many instances it has.
     pub(crate) fn bytes_per_triangle(&self) -> f64 {
         self.scene.bytes() as f64 / self.scene.primitives() as f64
     }

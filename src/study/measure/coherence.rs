@@ -1,10 +1,11 @@
-//! Speed of the tracer's modes against the coherence of rays: where does tracing many rays together stop to pay?
+//! Speed of the tracer's modes against the coherence of the rays: when does it stop paying to trace many rays together?
 //!
-//! The rays are those of a picture, which have one origin and run alike, turned at random. With `p` the unit direction
-//! through a pixel and `r` one of the unit sphere, evenly distributed and fixed by the seed, the ray of that pixel with
-//! jitter `j` runs along `(1 - j)·p + j·r`, made of unit length. Origin, order and number of rays are the same for all
-//! `j`, and so is each ray's `r`. A small jitter turns rays by up to about `j` radians (neighbouring pixels of these
-//! pictures are 0.003 to 0.004 apart); at 1 rays have nothing in common but the origin.
+//! The primary rays of a picture have one origin and similar directions. Here each ray is turned at random. Let `p` be
+//! the unit direction through a pixel, and `r` a random unit vector, uniform over the sphere and fixed by the seed.
+//! With jitter `j`, the ray of that pixel has the direction `(1 - j)·p + j·r`, normalised. Origin, order and number of
+//! rays are the same for all `j`, and so is each ray's `r`. A small jitter turns rays by up to about `j` radians;
+//! neighbouring pixels of these pictures are 0.003 to 0.004 radians apart. At jitter 1, rays share nothing but the
+//! origin.
 
 use super::built_scene::TracerKernel;
 use super::ray_sets::RaySet;
@@ -16,15 +17,15 @@ use crate::study::record::CoherenceRow;
 use crate::study::workload::{direction, rng};
 use crate::tracer::{Camera, Error, LoadedScene, Mode, Scene, SceneSource, count, thread_pool};
 
-/// How far rays are turned: 0 for those of the picture, 1 for random ones.
+/// The jitters that are measured: 0 gives the rays of the picture, 1 gives random rays.
 pub const JITTERS: [f64; 9] = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0];
 
-/// The scenes: an open one of small triangles, which random rays often leave, and a closed one of large triangles.
+/// An open scene of small triangles, which random rays often leave, and a closed scene of large triangles.
 const SCENES: [&str; 2] = ["terrain:1e5", "room"];
-/// The same for a quick run.
+/// Smaller scenes of the same kinds, for a quick run.
 const QUICK_SCENES: [&str; 2] = ["terrain:1e3", "room:small"];
 
-/// Times every mode on every jitter, all of a scene's interleaved, and counts what each takes.
+/// Times every mode at every jitter, interleaved within a scene. Counts visits and tests in a run that is not timed.
 ///
 /// # Errors
 /// If two modes disagree about a hit.
@@ -38,9 +39,9 @@ pub(crate) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec
         let scene = Scene::<TracerKernel>::new(world);
         let camera = view.camera(size, size);
         let sets = JITTERS.map(|jitter| RaySet {
-            name: "turned",
+            name: "jittered",
             any_hit: false,
-            rays: turned(&camera, size, jitter as f32, seed),
+            rays: jittered(&camera, size, jitter as f32, seed),
         });
         let of_set = |set| Mode::ALL.map(|mode| Job { scene: &scene, set, mode, pool: &pool });
         let jobs: Vec<_> = sets.iter().flat_map(of_set).collect();
@@ -68,13 +69,14 @@ pub(crate) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec
     Ok(rows)
 }
 
-/// The rays of a picture of `size` × `size` pixels with this jitter, in the order of the picture's blocks.
-fn turned(camera: &Camera, size: u32, jitter: f32, seed: u64) -> Vec<Ray<f32>> {
+/// The primary rays of a picture of `size` × `size` pixels, turned by this jitter, in the order of the picture's
+/// blocks.
+fn jittered(camera: &Camera, size: u32, jitter: f32, seed: u64) -> Vec<Ray<f32>> {
     let turn = |(number, ray): (usize, Ray<f32>)| {
         let straight = ray.dir.normalize();
         let random = direction(&mut rng(seed, "tracer", "coherence", &[], number as u64));
         let mixed = straight * (1.0 - jitter) + random * jitter;
-        // Opposite directions may cancel each other.
+        // Opposite directions can cancel to zero.
         Ray::new(ray.origin, mixed.normalize_or(random))
     };
     camera.rays(size, size).into_iter().enumerate().map(turn).collect()
@@ -87,9 +89,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_are_turned_from_those_of_the_picture_to_random_ones() {
+    fn jitter_turns_the_rays_of_the_picture_into_random_rays() {
         let camera = Camera::new(Vec3::new(1.0, 2.0, 9.0), Vec3::ZERO, 45.0, 32, 32);
-        let rays = |jitter| turned(&camera, 32, jitter, 5);
+        let rays = |jitter| jittered(&camera, 32, jitter, 5);
         let straight = rays(0.0);
         for (ray, pixel) in straight.iter().zip(camera.rays(32, 32)) {
             assert!(ray.dir.abs_diff_eq(pixel.dir.normalize(), 1e-6) && ray.origin == pixel.origin);
@@ -105,12 +107,12 @@ mod tests {
             last = greatest;
         }
         let mean: Vec3 = rays(1.0).iter().map(|ray| ray.dir).sum::<Vec3>() / 1024.0;
-        assert!(mean.length() < 0.06, "{mean}: evenly distributed");
+        assert!(mean.length() < 0.06, "{mean}: directions must be uniform");
         assert_eq!(rays(0.5), rays(0.5));
     }
 
     #[test]
-    fn jitters_rise_from_the_picture_to_random() {
+    fn jitters_rise_from_0_to_1() {
         assert!(JITTERS.is_sorted() && JITTERS[0] == 0.0 && JITTERS[JITTERS.len() - 1] == 1.0);
     }
 }

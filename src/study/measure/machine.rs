@@ -1,11 +1,11 @@
-//! What a measurement was made on, and how the program was built.
+//! Describes the machine that the study runs on, and the build of the program.
 
 use crate::study::record::Machine;
 
-/// Crates whose code is inside what is measured.
+/// Crates whose code is measured.
 const MEASURED: [&str; 5] = ["glam", "wide", "obvhs", "rayon", "dashu-int"];
 
-/// Crates that others' tracers come from, beside those.
+/// Crates of peers whose code is measured in a comparison, in addition to those.
 pub(crate) const PEERS: [&str; 2] = ["bvh", "parry3d"];
 
 /// Describes this machine and this build.
@@ -24,12 +24,12 @@ pub(crate) fn describe() -> Machine {
     }
 }
 
-/// `name version` of crates, from the lock file that the program was built with.
+/// `name version` of each crate, from the lock file at build time.
 pub(crate) fn versions(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| version(include_str!("../../../Cargo.lock"), name)).collect()
 }
 
-/// Bytes of the greatest cache of the first processor, where the system tells them.
+/// Bytes of the largest cache of the first processor; `None` if the system does not say.
 pub(crate) fn cache_bytes() -> Option<u64> {
     let size = |index| {
         let text = std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index{index}/size")).ok()?;
@@ -38,7 +38,8 @@ pub(crate) fn cache_bytes() -> Option<u64> {
     (0..8).filter_map(size).max().map(|kilobytes| kilobytes * 1024)
 }
 
-/// The processor's name, with family and model number where the system tells them: virtual machines shorten the name.
+/// The processor's name, with family and model number if the system gives them: virtual machines often shorten the
+/// name.
 fn cpu() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let field = |name: &str| {
@@ -54,9 +55,10 @@ fn cpu() -> String {
     }
 }
 
+/// `name version` of a crate in a lock file; `name unknown` if it is not there.
 fn version(lock: &str, name: &str) -> String {
     let package = |name: &str| lock.split("[[package]]").find(|text| text.contains(&format!("\nname = \"{name}\"\n")));
-    // Of a crate that others need in other versions, ours is the one that stands in our list of dependencies.
+    // The lock file may list several versions of a crate. Ours is the one in our own list of dependencies.
     let start = format!("\"{name} ");
     let ours = package(env!("CARGO_PKG_NAME")).and_then(|text| text.split(&start).nth(1));
     let only = || package(name)?.split("version = \"").nth(1);
@@ -64,7 +66,8 @@ fn version(lock: &str, name: &str) -> String {
     format!("{name} {}", version.unwrap_or("unknown"))
 }
 
-/// One line of advice where the build leaves speed on the table, else `None`.
+/// One line of advice if the build is slower than it could be: built without AVX2 on a processor that has it. Else
+/// `None`.
 pub fn build_warning() -> Option<&'static str> {
     #[cfg(target_arch = "x86_64")]
     if !cfg!(target_feature = "avx2") && std::arch::is_x86_feature_detected!("avx2") {
@@ -81,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn versions_come_from_the_lock_file() {
+    fn versions_are_read_from_the_lock_file() {
         let package =
             |name: &str, version: &str| format!("[[package]]\nname = \"{name}\"\nversion = \"{version}\"\n\n");
         let lock = [package("glam", "1.1.0"), package("glam", "1.2.3"), package("wide", "4.5.6")].concat()

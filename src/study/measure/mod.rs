@@ -1,4 +1,4 @@
-//! Everything that is measured. Each file fills rows of the [record](super::record).
+//! Measurements: errors and speed of kernels, speed of the tracer. Each file fills rows of the [record](super::record).
 
 pub mod accuracy;
 pub(crate) mod built_scene;

@@ -1,8 +1,8 @@
-//! What the processor can do at most: the time of an operation on eight lanes where it waits for no other, and so what a
-//! test that needs so many of them takes at least.
+//! Measured throughput of eight-lane operations: the time of one operation when it waits for no other. It gives a lower
+//! limit for the time of a kernel whose operations are counted.
 //!
-//! Each operation runs in chains that are independent of one another, more of them than an operation takes cycles. Loads
-//! are taken from the first-level cache.
+//! Each operation runs in independent chains. There are more chains than an operation has cycles of latency. Loads come
+//! from the first-level cache.
 
 use std::array::from_fn;
 use std::hint::black_box;
@@ -16,12 +16,12 @@ use crate::geom::lanes::max8;
 use crate::geom::lanes::mul_add8;
 use crate::study::record::RateRow;
 
-/// Chains that fit into the registers.
+/// Number of chains: as many as fit into the registers.
 const CHAINS: usize = if cfg!(any(target_feature = "avx", target_arch = "aarch64")) { 12 } else { 6 };
-/// Steps of each chain in a sample: a quarter of a millisecond or more.
+/// Steps of each chain in a sample. A sample takes a quarter of a millisecond or more.
 const STEPS: usize = 1 << 16;
 
-/// Nanoseconds of one step of one chain.
+/// Nanoseconds per step of one chain.
 fn time<T: Copy>(start: [T; CHAINS], step: impl Fn(T) -> T) -> f64 {
     let mut values = black_box(start);
     let clock = Instant::now();
@@ -43,12 +43,12 @@ fn start_f64() -> [f64x8; CHAINS] {
     from_fn(|chain| f64x8::splat(1.25 + chain as f64 / 16.0))
 }
 
-/// Nanoseconds of one load. What is loaded is combined by maxima, of which a processor does as many; logic would be done on
-/// more than eight lanes at once where there are such registers.
+/// Nanoseconds per load. Loaded values are combined by maxima, which have the same throughput as loads. Logical
+/// operations would not do: with wider registers, the compiler could do them on more than eight lanes at once.
 fn time_load() -> f64 {
     const ROWS: usize = 4;
     let data = black_box([start_f32(); ROWS]);
-    // Never in memory themselves, or each step would store them.
+    // These must stay in registers, or each step would store them.
     let mut values = start_f32();
     let clock = Instant::now();
     for _ in 0..STEPS / ROWS {
@@ -61,7 +61,7 @@ fn time_load() -> f64 {
     seconds * 1e9 / (STEPS * CHAINS) as f64
 }
 
-/// An operation, its precision, and a function that takes one sample: nanoseconds for one of them.
+/// Name of an operation, its precision, and a function that takes one sample: nanoseconds per operation.
 type Operation = (&'static str, &'static str, fn() -> f64);
 
 const OPERATIONS: &[Operation] = &[
@@ -105,11 +105,11 @@ const OPERATIONS: &[Operation] = &[
     }),
 ];
 
-/// The samples so far, of each operation.
+/// The samples of each operation so far.
 #[derive(Debug)]
-pub(crate) struct Rates(Vec<Vec<f64>>);
+pub(crate) struct OperationRates(Vec<Vec<f64>>);
 
-impl Rates {
+impl OperationRates {
     pub(crate) fn new() -> Self {
         Self(vec![Vec::new(); OPERATIONS.len()])
     }
@@ -142,13 +142,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn eight_lanes_take_a_time() {
-        let mut rates = Rates::new();
+    fn every_operation_takes_a_plausible_time() {
+        let mut rates = OperationRates::new();
         (0..3).for_each(|_| rates.sample());
         let rows = rates.rows();
         assert_eq!(rows.len(), OPERATIONS.len());
         for row in &rows {
-            // From a thousandth of a nanosecond, which would be a loop that the compiler has removed, to a microsecond.
+            // Below a thousandth of a nanosecond, the compiler would have removed the loop.
             assert!((1e-3..1e3).contains(&row.ns_per_operation), "{row:?}");
             assert!(row.samples == 3 && (row.operations_per_second * row.ns_per_operation / 1e9 - 1.0).abs() < 1e-9);
         }

@@ -1,5 +1,5 @@
-//! The rays that a picture needs, in four sets: those from the eye, and three that begin where these hit, from rays that
-//! run alike to rays that have little in common.
+//! The four sets of rays that a picture needs: primary rays from the eye, and three sets that start where these hit.
+//! They are ordered from coherent rays (similar origins and directions) to incoherent ones.
 
 use crate::geom::{Ray, Triangle};
 use crate::kernels::Kernel;
@@ -8,11 +8,11 @@ use crate::tracer::{Mode, OCCLUSION_REACH, Scene, View, hemisphere_rays, shadow_
 /// Rays that a renderer traces together, in the order of the picture's blocks ([`crate::tracer::block_order`]).
 #[derive(Clone, Debug)]
 pub struct RaySet {
-    /// As used in records: one of [`NAMES`].
+    /// Name, as used in records: one of [`NAMES`].
     pub name: &'static str,
-    /// Whether only the existence of a hit is asked for, instead of the closest one.
+    /// Whether any hit will do. Otherwise the closest hit is wanted.
     pub any_hit: bool,
-    /// The rays, every one of them active.
+    /// The rays. All of them are active.
     pub rays: Vec<Ray<f32>>,
 }
 
@@ -21,13 +21,14 @@ pub const NAMES: [&str; 4] = ["primary", "shadow", "bounce", "ambient occlusion"
 
 /// The rays of a picture of `size` × `size` pixels:
 ///
-/// - *primary*: from the eye, one through each pixel; closest hit;
+/// - *primary*: from the eye through each pixel; closest hit;
 /// - *shadow*: from each primary hit to the view's light; any hit;
-/// - *bounce*: from each primary hit into the hemisphere on the side that is seen, as a matt surface reflects (Lambert's cosine
-///   law), without end; closest hit;
-/// - *ambient occlusion*: the same with other directions, no longer than a tenth of the scene's diagonal; any hit.
+/// - *bounce*: from each primary hit into the hemisphere on the visible side, distributed by Lambert's cosine law (a
+///   matt surface), of infinite length; closest hit;
+/// - *ambient occlusion*: like bounce, but in other directions, and at most a tenth of the scene's diagonal long; any
+///   hit.
 ///
-/// The last two derive from `seed`, and are the same on every machine for the same primary hits.
+/// Bounce and ambient occlusion rays depend on `seed`. They are the same on every machine for the same primary hits.
 pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size: u32, seed: u64) -> [RaySet; 4] {
     let pixels = view.camera(size, size).rays(size, size);
     let hits = trace(scene, &pixels, false, Mode::Auto);
@@ -36,7 +37,7 @@ pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size
     let shadow = shadow_rays(scene, &pixels, &hits, view.light);
     let bounce = hemisphere_rays(scene, &pixels, &hits, sample, diagonal, f32::INFINITY);
     let occlusion = hemisphere_rays(scene, &pixels, &hits, sample.wrapping_add(1), diagonal * OCCLUSION_REACH, 1.0);
-    // Only where there is something to shade.
+    // Pixels that show the background have no secondary rays.
     let of_hits =
         |rays: Vec<Ray<f32>>| rays.into_iter().zip(&hits).filter(|(_, hit)| hit.mask).map(|(ray, _)| ray).collect();
     let [shadow, bounce, occlusion] = [shadow, bounce, occlusion].map(of_hits);
@@ -58,11 +59,11 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_leave_a_surface_do_so_on_the_side_that_is_seen() {
+    fn secondary_rays_leave_the_surface_on_the_visible_side() {
         let (scene, [primary, shadow, bounce, occlusion]) = sets(7);
         let hits = trace(&scene, &primary.rays, false, Mode::Scalar);
         let seen: Vec<_> = primary.rays.iter().zip(&hits).filter(|(_, hit)| hit.mask).collect();
-        assert!(seen.len() > primary.rays.len() / 2, "a closed room");
+        assert!(seen.len() > primary.rays.len() / 2, "the room is closed, so most rays hit");
         assert_eq!([&shadow, &bounce, &occlusion].map(|set| set.rays.len()), [seen.len(); 3]);
         let diagonal = scene.bounds().extent().length();
         let (mut cosines, mut turned) = (0.0, 0);
@@ -80,21 +81,21 @@ mod tests {
             assert_eq!((bounce.t_max, occlusion.t_max), (f32::INFINITY, 1.0));
             turned += usize::from(bounce.dir.normalize().dot(occlusion.dir.normalize()) < 0.999);
         }
-        // The mean cosine of Lambert's law is 2/3, of an even distribution 1/2.
+        // The mean cosine is 2/3 under Lambert's law, and 1/2 under a uniform distribution.
         let mean = cosines / (2 * seen.len()) as f32;
         assert!((mean - 2.0 / 3.0).abs() < 0.03, "{mean}");
-        assert!(turned > seen.len() * 9 / 10, "{turned}: bounce and occlusion are different samples");
+        assert!(turned > seen.len() * 9 / 10, "{turned}: bounce and occlusion rays must be different samples");
     }
 
     #[test]
-    fn a_seed_fixes_the_rays() {
+    fn the_seed_determines_the_rays() {
         let hits = |seed| {
             let (scene, sets) = sets(seed);
             sets.map(|set| checksum(&trace(&scene, &set.rays, false, Mode::Scalar)))
         };
         let (first, again, other) = (hits(1), hits(1), hits(2));
         assert_eq!(first, again);
-        assert_eq!(first[..2], other[..2], "what the eye and the light see is no matter of chance");
+        assert_eq!(first[..2], other[..2], "primary and shadow rays do not depend on the seed");
         assert!(first[2] != other[2] && first[3] != other[3]);
     }
 }

@@ -1,23 +1,23 @@
-//! Cost of a ray against the size of the scene: one landscape, of ever more triangles, seen in one picture.
+//! Cost of a ray against the size of the scene: one landscape with more and more triangles, always the same picture.
 
-use super::built_scene::Stage;
+use super::built_scene::BuiltScene;
 use super::ray_sets::RaySet;
 use super::timing::{Job, Timing, time};
 use crate::study::progress::Progress;
 use crate::study::record::ScalingRow;
 use crate::tracer::{Error, Mode, SceneSource, thread_pool};
 
-/// How much of it to measure.
+/// How much to measure.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
+pub(crate) struct ScalingOptions {
     /// Smaller scenes, fewer rays and samples.
     pub(crate) quick: bool,
-    /// One size more.
+    /// Measure one more size, ten times the largest.
     pub(crate) large: bool,
 }
 
-impl Extent {
-    /// The scene in all sizes, each about ten times the one before.
+impl ScalingOptions {
+    /// The scene in all sizes. Each has about ten times as many triangles as the one before.
     fn scenes(self) -> &'static [&'static str] {
         let sizes = if self.quick {
             &["terrain:1e3", "terrain:1e4", "terrain:1e5"][..]
@@ -28,36 +28,36 @@ impl Extent {
     }
 }
 
-/// Times every set of rays in every size of the scene, interleaved: all sizes are held in memory at once.
+/// Times every set of rays in every size of the scene, all interleaved. All sizes are in memory at the same time.
 ///
 /// # Errors
 /// If two runs of the same rays disagree.
-pub(crate) fn measure(extent: Extent, seed: u64, progress: &Progress) -> Result<Vec<ScalingRow>, Error> {
-    let (size, samples) = if extent.quick { (64, 3) } else { (512, 5) };
-    let stage = |name: &&str| Stage::set(&SceneSource::parse(name)?, (size, seed), progress);
-    let stages = extent.scenes().iter().map(stage).collect::<Result<Vec<_>, _>>()?;
+pub(crate) fn measure(options: ScalingOptions, seed: u64, progress: &Progress) -> Result<Vec<ScalingRow>, Error> {
+    let (size, samples) = if options.quick { (64, 3) } else { (512, 5) };
+    let build = |name: &&str| BuiltScene::new(&SceneSource::parse(name)?, (size, seed), progress);
+    let scenes = options.scenes().iter().map(build).collect::<Result<Vec<_>, _>>()?;
     progress.note("terrain: cost by size");
     let pool = thread_pool(1)?;
-    let places = || stages.iter().flat_map(|stage| stage.sets.iter().map(move |set| (stage, set)));
+    let scenes_and_sets = || scenes.iter().flat_map(|built| built.sets.iter().map(move |set| (built, set)));
     let jobs: Vec<_> =
-        places().map(|(stage, set)| Job { scene: &stage.scene, set, mode: Mode::Auto, pool: &pool }).collect();
-    let row = |((stage, set), timing): ((&Stage, &RaySet), Timing)| {
+        scenes_and_sets().map(|(built, set)| Job { scene: &built.scene, set, mode: Mode::Auto, pool: &pool }).collect();
+    let row = |((built, set), timing): ((&BuiltScene, &RaySet), Timing)| {
         let [ns_per_ray, ns_per_ray_mad] = timing.ns_per_ray();
         ScalingRow {
-            scene: stage.name.clone(),
-            triangles: stage.scene.primitives(),
+            scene: built.name.clone(),
+            triangles: built.scene.primitives(),
             rays: set.name.into(),
             ray_count: timing.rays,
             hits: timing.hits,
-            kernel: stage.kernel(),
+            kernel: built.kernel(),
             ns_per_ray,
             ns_per_ray_mad,
-            build_seconds: stage.build_seconds,
-            bytes_per_triangle: stage.bytes_per_triangle(),
+            build_seconds: built.build_seconds,
+            bytes_per_triangle: built.bytes_per_triangle(),
             checksum: format!("{:016x}", timing.checksum),
         }
     };
-    Ok(places().zip(time(&jobs, samples, progress)?).map(row).collect())
+    Ok(scenes_and_sets().zip(time(&jobs, samples, progress)?).map(row).collect())
 }
 
 #[cfg(test)]
@@ -65,9 +65,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_a_factor_of_ten_apart() {
+    fn each_size_is_ten_times_the_one_before() {
         for (quick, large, count) in [(true, false, 2), (true, true, 3), (false, false, 3), (false, true, 4)] {
-            let scenes = Extent { quick, large }.scenes();
+            let scenes = ScalingOptions { quick, large }.scenes();
             let exponents =
                 scenes.iter().map(|scene| scene.strip_prefix("terrain:1e").unwrap().parse::<i32>().unwrap());
             let first = if quick { 3 } else { 4 };

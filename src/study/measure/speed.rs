@@ -1,16 +1,17 @@
-//! Throughput of kernels: every face of every kernel, with the primitives in the first-level cache.
+//! Throughput of kernels, at every width, with the primitives in the first-level cache.
 //!
-//! What is timed is what a tracer does with a kernel: rays find their closest hit among [`PRIMITIVES`] prepared
-//! primitives, setup included, and keep `t`, `u`, `v` and the primitive number. All faces do this for the same rays and
-//! primitives, and must end with the same hits.
+//! The timed pass does what a tracer does with a kernel. Each ray finds its closest hit among [`PRIMITIVES`] prepared
+//! primitives and keeps `t`, `u`, `v` and the primitive number. The per-ray setup is included. All widths do this for
+//! the same rays and primitives, and must give the same hits.
 //!
-//! **Nothing is timed twice in a row.** A processor remembers tens of thousands of branches: with 64 rays and 32
-//! primitives again and again, all 2,048 outcomes were predicted, and a scalar Möller–Trumbore with four branches took 5 ns;
-//! with rays that it had not just seen, 20. So a sample is one pass over [`RAYS`] rays, and all other jobs have a turn
-//! before the next. Before it, rays and primitives are brought into the cache, and other rays make the code known.
+//! **No ray is timed twice in a row.** A processor remembers tens of thousands of branches. When 64 rays against 32
+//! primitives were repeated, it predicted all 2,048 outcomes, and a scalar Möller–Trumbore test with four branches took
+//! 5 ns. With rays that it had not just seen, the same test took 20 ns. So a sample is one pass over [`RAYS`] rays, and
+//! all other jobs have their turn before the next pass. Before each pass, its rays and primitives are read into the
+//! cache, and other rays run through its code.
 //!
-//! Jobs are interleaved: the first sample of every job, then the second of every job, and so on, so that a slow spell of
-//! the machine falls on all alike.
+//! Jobs are interleaved: the first sample of every job, then the second sample of every job, and so on. If the machine
+//! is slow for a while, all jobs suffer equally.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -28,14 +29,14 @@ use crate::study::record::{MethodRow, SpeedRow};
 use crate::study::workload::{RAYS_PER_SAMPLE, Subject, Workload, rng};
 use crate::tracer::{Error, checksum};
 
-/// Rays of a pass.
+/// Number of rays of a pass.
 pub const RAYS: usize = 8192;
-/// Primitives that each ray is tested against: four groups of eight.
+/// Number of primitives that each ray is tested against: four groups of eight.
 pub const PRIMITIVES: usize = 32;
 
-/// How rays and primitives are paired.
+/// How many rays and primitives one call tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Face {
+pub enum Width {
     /// The scalar twin.
     OneByOne,
     /// The packet twin: eight rays against one primitive.
@@ -44,11 +45,11 @@ pub enum Face {
     EightPrimitives,
 }
 
-impl Face {
-    /// Every face.
+impl Width {
+    /// Every width.
     pub const ALL: [Self; 3] = [Self::OneByOne, Self::EightRays, Self::EightPrimitives];
 
-    /// As used in records.
+    /// Name, as used in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::OneByOne => "1x1",
@@ -58,7 +59,7 @@ impl Face {
     }
 }
 
-/// Prepared primitives of a kernel, and the rays aimed at them.
+/// Prepared primitives of a kernel, and rays aimed at them.
 #[derive(Clone, Debug)]
 struct Set<K: Kernel> {
     primitives: Vec<K>,
@@ -71,8 +72,9 @@ impl<K: Kernel> Set<K>
 where
     K::Shape: Subject,
 {
-    /// Primitives of the samples from number `index` on, which is moved past them. Of the rays of one sample, no more than two
-    /// for each of its primitives follow one another, so that those of a packet are unlike.
+    /// Takes samples from number `index` on, until there are enough primitives, and moves `index` past them. Rays of
+    /// different samples alternate: at most two rays in a row per primitive of a sample. The rays of a packet are
+    /// therefore incoherent.
     fn new(workload: Workload, seed: u64, index: &mut u64) -> Self {
         let (mut primitives, mut samples) = (Vec::new(), Vec::new());
         while primitives.len() < PRIMITIVES {
@@ -90,12 +92,12 @@ where
         Self { groups: groups.collect(), packets: packets.collect(), primitives, rays }
     }
 
-    /// The closest hit of each ray among all primitives.
-    fn pass(&self, face: Face, hits: &mut [Hit<f32>]) {
-        match face {
-            Face::OneByOne => self.one_by_one(hits),
-            Face::EightRays => self.eight_rays(hits),
-            Face::EightPrimitives => self.eight_primitives(hits),
+    /// Finds the closest hit of each ray among all primitives.
+    fn pass(&self, width: Width, hits: &mut [Hit<f32>]) {
+        match width {
+            Width::OneByOne => self.one_by_one(hits),
+            Width::EightRays => self.eight_rays(hits),
+            Width::EightPrimitives => self.eight_primitives(hits),
         }
     }
 
@@ -144,20 +146,20 @@ where
         }
     }
 
-    /// Hits, of one ray or of any of eight, and tests of this face.
-    fn hits_and_tests(&self, face: Face) -> [u64; 2] {
+    /// Number of calls that hit anything, and number of calls, at this width.
+    fn hits_and_calls(&self, width: Width) -> [u64; 2] {
         let (mut hits, mut tests) = (0, 0);
         let mut count = |hit: bool| (hits, tests) = (hits + u64::from(hit), tests + 1);
-        match face {
-            Face::OneByOne => {
+        match width {
+            Width::OneByOne => {
                 self.rays.iter().for_each(|ray| self.primitives.iter().for_each(|one| count(one.hit(ray).mask)));
             }
-            Face::EightRays => {
+            Width::EightRays => {
                 self.packets
                     .iter()
                     .for_each(|rays| self.primitives.iter().for_each(|one| count(one.hit(rays).mask.any())));
             }
-            Face::EightPrimitives => {
+            Width::EightPrimitives => {
                 let packets = self.rays.iter().map(Ray::splat);
                 packets.for_each(|ray| self.groups.iter().for_each(|eight| count(eight.hit(&ray).mask.any())));
             }
@@ -166,11 +168,11 @@ where
     }
 }
 
-/// Rays and prepared primitives of a kernel.
+/// The rays and prepared primitives that a kernel is timed with.
 #[derive(Clone, Debug)]
 pub struct Bench<K: Kernel> {
     sets: Vec<Set<K>>,
-    /// For [`Bench::warm_up`].
+    /// Other rays and primitives, for [`Bench::warm_up`].
     other: Set<K>,
 }
 
@@ -178,7 +180,8 @@ impl<K: Kernel> Bench<K>
 where
     K::Shape: Subject,
 {
-    /// Each ray is aimed at one of the primitives, or at its neighbours in a small mesh, and misses most others.
+    /// Makes rays and primitives. Each ray is aimed at one of its primitives, or at the neighbours of that one in a
+    /// small mesh. It misses most others.
     pub fn new(workload: Workload, seed: u64) -> Self {
         let mut index = 0;
         let other = Set::new(workload, seed, &mut index);
@@ -186,38 +189,38 @@ where
         Self { sets: sets.collect(), other }
     }
 
-    /// One pass: the closest hit of each ray among its primitives, in ray order.
+    /// One pass: writes the closest hit of each ray among its primitives, in ray order.
     ///
     /// # Panics
-    /// If there are other than [`RAYS`] hits.
-    pub fn pass(&self, face: Face, hits: &mut [Hit<f32>]) {
+    /// If `hits` does not hold exactly [`RAYS`] hits.
+    pub fn pass(&self, width: Width, hits: &mut [Hit<f32>]) {
         assert_eq!(hits.len(), RAYS, "one hit for each ray");
         for (set, hits) in self.sets.iter().zip(hits.chunks_exact_mut(self.other.rays.len())) {
-            set.pass(face, hits);
+            set.pass(width, hits);
         }
     }
 
-    /// Brings the data of a pass into the cache, and its code into what the processor knows of code, but not the outcomes of its
-    /// branches.
-    pub fn warm_up(&self, face: Face, hits: &mut [Hit<f32>]) {
+    /// Reads the data of a pass into the cache, and runs the code of a pass on other rays. The processor then knows the
+    /// code, but not the outcomes of the pass's branches.
+    pub fn warm_up(&self, width: Width, hits: &mut [Hit<f32>]) {
         for set in &self.sets {
-            match face {
-                Face::OneByOne => (touch(&set.rays), touch(&set.primitives)),
-                Face::EightRays => (touch(&set.packets), touch(&set.primitives)),
-                Face::EightPrimitives => (touch(&set.rays), touch(&set.groups)),
+            match width {
+                Width::OneByOne => (touch(&set.rays), touch(&set.primitives)),
+                Width::EightRays => (touch(&set.packets), touch(&set.primitives)),
+                Width::EightPrimitives => (touch(&set.rays), touch(&set.groups)),
             };
         }
-        self.other.pass(face, &mut hits[..self.other.rays.len()]);
+        self.other.pass(width, &mut hits[..self.other.rays.len()]);
     }
 
-    /// Share of the tests of this face in which anything is hit.
-    fn hit_share(&self, face: Face) -> f64 {
-        let counts = self.sets.iter().map(|set| set.hits_and_tests(face));
+    /// Share of the calls at this width that hit anything.
+    fn hit_share(&self, width: Width) -> f64 {
+        let counts = self.sets.iter().map(|set| set.hits_and_calls(width));
         let [hits, tests] = counts.fold([0; 2], |[a, b], [c, d]| [a + c, b + d]);
         hits as f64 / tests as f64
     }
 
-    /// Nanoseconds per ray for the setup, scalar and in packets.
+    /// Nanoseconds per ray for the setup: scalar, and in packets.
     fn setup_ns(&self) -> [f64; 2] {
         let time = |run: &dyn Fn()| {
             let passes = 250;
@@ -243,25 +246,26 @@ where
     }
 }
 
-/// Reads all of it.
+/// Reads all values.
 fn touch<T: Copy>(values: &[T]) {
     for value in values {
         black_box(*value);
     }
 }
 
-/// One face of one kernel, ready to be timed.
+/// One width of one kernel, ready to be timed.
 struct Job {
     id: String,
-    face: Face,
+    width: Width,
     hit_share: f64,
     warm_up: Run,
     pass: Run,
 }
 
-/// A part of a job.
+/// The warm-up or the pass of a job.
 type Run = Box<dyn Fn(&mut [Hit<f32>]) + Send + Sync>;
 
+/// The jobs of all registered kernels.
 #[derive(Default)]
 pub(crate) struct Speed {
     pub(crate) methods: Vec<MethodRow>,
@@ -270,18 +274,18 @@ pub(crate) struct Speed {
 }
 
 impl Speed {
-    /// Prepares every registered kernel.
+    /// Prepares the jobs of every registered kernel.
     pub(crate) fn new(seed: u64) -> Self {
         let mut speed = Self { seed, ..Self::default() };
         crate::registry::all(&mut speed);
         speed
     }
 
-    /// Times every job with each number of threads, and calls `after_round` each time that all had a turn, with the share that is
-    /// done.
+    /// Times every job with each number of threads. After each round, in which every job had one turn, calls
+    /// `after_round` with the share of the rounds that is done.
     ///
     /// # Errors
-    /// If two faces, or two threads, of a kernel end with different hits: a timing of wrong results is worth nothing.
+    /// If two widths or two threads of a kernel give different hits: a timing of wrong results is worthless.
     pub(crate) fn measure(
         &self,
         samples: usize,
@@ -290,15 +294,16 @@ impl Speed {
     ) -> Result<Vec<SpeedRow>, Error> {
         let expected: Vec<u64> = self.jobs.iter().map(|job| timed(job, 1).1[0]).collect();
         for (job, sum) in self.jobs.iter().zip(&expected) {
-            let first = self.jobs.iter().position(|other| other.id == job.id).expect("the job itself is there");
+            let first =
+                self.jobs.iter().position(|other| other.id == job.id).expect("the list contains the job itself");
             if *sum != expected[first] {
-                return Err(Error::Disagreement(format!("{}: faces {} and 1x1", job.id, job.face.name())));
+                return Err(Error::Disagreement(format!("{}: widths {} and 1x1", job.id, job.width.name())));
             }
         }
         let mut times = vec![Vec::with_capacity(samples); self.jobs.len() * thread_counts.len()];
         for sample in 0..samples {
             for (slot, times) in times.iter_mut().enumerate() {
-                // One number of threads after the other, so that no job is timed twice in a row.
+                // All jobs with one thread count come before those with the next: no job is timed twice in a row.
                 let (index, threads) = (slot % self.jobs.len(), thread_counts[slot / self.jobs.len()]);
                 let (seconds, sums) = timed(&self.jobs[index], threads);
                 if sums.iter().any(|sum| *sum != expected[index]) {
@@ -313,7 +318,7 @@ impl Speed {
             let ns_per_test = median(times);
             SpeedRow {
                 id: self.jobs[index].id.clone(),
-                face: self.jobs[index].face.name().into(),
+                width: self.jobs[index].width.name().into(),
                 threads: thread_counts[slot / self.jobs.len()],
                 ns_per_test,
                 ns_per_test_mad: mad(times),
@@ -346,24 +351,25 @@ impl<S: Subject> Visitor<S> for Speed {
             claims: K::INFO.claims.iter().map(|claim| claim.name().into()).collect(),
         });
         let bench = Arc::new(bench);
-        for face in Face::ALL {
-            let run = |run: fn(&Bench<K>, Face, &mut [Hit<f32>])| -> Run {
+        for width in Width::ALL {
+            let run = |run: fn(&Bench<K>, Width, &mut [Hit<f32>])| -> Run {
                 let bench = Arc::clone(&bench);
-                Box::new(move |hits| run(&bench, face, hits))
+                Box::new(move |hits| run(&bench, width, hits))
             };
             let (warm_up, pass) = (run(Bench::warm_up), run(Bench::pass));
-            self.jobs.push(Job { id: id.clone(), face, hit_share: bench.hit_share(face), warm_up, pass });
+            self.jobs.push(Job { id: id.clone(), width, hit_share: bench.hit_share(width), warm_up, pass });
         }
     }
 }
 
-/// Runs the job once, on so many threads at once: seconds until the last is done, and the checksum of each.
+/// Runs the job once on each of `threads` threads at the same time. Returns the seconds until the last one is done, and
+/// the checksum of each.
 fn timed(job: &Job, threads: usize) -> (f64, Vec<u64>) {
     let waiting = AtomicUsize::new(threads);
     let run = || {
         let mut hits = vec![Hit::MISS; RAYS];
         (job.warm_up)(&mut hits);
-        // A thread that sleeps until all are there would wake up when others are half done.
+        // Spin until all threads are ready: one that slept could wake up when the others are half done.
         waiting.fetch_sub(1, Ordering::AcqRel);
         while waiting.load(Ordering::Acquire) > 0 {
             std::thread::yield_now();
@@ -375,11 +381,11 @@ fn timed(job: &Job, threads: usize) -> (f64, Vec<u64>) {
     let done = std::thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(run)).collect();
         let mut done = vec![run()];
-        done.extend(others.into_iter().map(|other| other.join().expect("a timed job does not panic")));
+        done.extend(others.into_iter().map(|other| other.join().expect("timed jobs do not panic")));
         done
     });
-    let start = done.iter().map(|(start, ..)| *start).min().expect("there is a thread");
-    let end = done.iter().map(|(_, end, _)| *end).max().expect("there is a thread");
+    let start = done.iter().map(|(start, ..)| *start).min().expect("at least one thread ran");
+    let end = done.iter().map(|(_, end, _)| *end).max().expect("at least one thread ran");
     ((end - start).as_secs_f64(), done.into_iter().map(|(.., sum)| sum).collect())
 }
 
@@ -400,7 +406,7 @@ mod tests {
                 let rays: Vec<_> = bench.sets.iter().chain([&bench.other]).flat_map(|set| &set.rays).map(of).collect();
                 assert_eq!(rays.len(), RAYS + bench.other.rays.len(), "{}", K::INFO.id);
                 let different = rays.iter().collect::<HashSet<_>>().len();
-                // On a grid some are the same.
+                // On a grid, some rays are equal by chance.
                 let least = if workload == Workload::Generic { 1.0 } else { 0.9 };
                 assert!(different as f64 >= least * rays.len() as f64, "{}: {different} of {}", K::INFO.id, rays.len());
             }
@@ -408,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn no_ray_is_timed_twice() {
+    fn a_pass_does_not_repeat_its_rays() {
         crate::registry::all(&mut Benches);
     }
 }

@@ -1,6 +1,7 @@
-//! Robust statistics (timings on shared machines have outliers on one side) and the distance of two floats.
+//! Robust statistics, and the distance between two floats in ulp. Timings on shared machines have outliers on one side,
+//! so medians are used and not means.
 
-/// The middle value; the mean of the two middle ones of an even number; NaN of none.
+/// The middle value. For an even number of values, the mean of the two middle ones. NaN if there are no values.
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -11,20 +12,20 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// Median absolute deviation from the median.
+/// Median absolute deviation from the median. NaN if there are no values.
 pub(crate) fn mad(values: &[f64]) -> f64 {
     let middle = median(values);
     median(&values.iter().map(|value| (value - middle).abs()).collect::<Vec<_>>())
 }
 
-/// How many representable numbers lie between two, neither of which is NaN; +0 and −0 are the same.
+/// Distance of two floats in representable numbers. Neither may be NaN. +0 and −0 count as equal.
 pub(crate) fn ulps_between(a: f32, b: f32) -> u32 {
-    // Bits as a number line: negative floats count downwards from zero.
-    let place = |x: f32| {
+    // The position on a number line of all floats: negative floats count downwards from zero.
+    let position = |x: f32| {
         let magnitude = i64::from(x.to_bits() & 0x7fff_ffff);
         if x.is_sign_negative() { -magnitude } else { magnitude }
     };
-    place(a).abs_diff(place(b)).try_into().expect("two floats are less than 2^32 apart")
+    position(a).abs_diff(position(b)).try_into().expect("two floats are less than 2^32 apart")
 }
 
 #[cfg(test)]
@@ -42,7 +43,7 @@ mod tests {
     }
 
     #[test]
-    fn the_median_ignores_an_outlier() {
+    fn median_and_mad_ignore_an_outlier() {
         assert_eq!(median(&[3.0, 1.0, 1e9]), 3.0);
         assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
         assert_eq!(mad(&[1.0, 2.0, 3.0, 4.0, 1e9]), 1.0);

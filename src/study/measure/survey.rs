@@ -1,4 +1,4 @@
-//! The errors of every kernel of every shape: all workloads, regimes and failure maps.
+//! Measures the errors of all kernels on all workloads, regimes and failure maps.
 
 use rand_pcg::Pcg64;
 
@@ -7,7 +7,7 @@ use crate::study::progress::Progress;
 use crate::study::record::{AccuracyRow, MapCells, MapRow, RegimeRow};
 use crate::study::workload::{self, Sample, Subject, Workload};
 
-/// What there is to be measured of the accuracy of all kernels of all shapes.
+/// The errors of all shapes that were measured so far.
 pub(crate) struct Survey {
     quick: bool,
     seed: u64,
@@ -18,26 +18,28 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Nothing measured yet.
+    /// A survey without any rows.
     pub(crate) fn new(quick: bool, seed: u64) -> Self {
         Self { quick, seed, rows: Vec::new(), regimes: Vec::new(), maps: Vec::new(), map_cells: Vec::new() }
     }
 
-    /// Measures the kernels of a shape.
+    /// Measures the kernels of one shape on all workloads, regimes and failure maps of the shape.
     pub(crate) fn measure<S: Subject>(&mut self, kernels: &Kernels<S>, progress: &Progress) {
         let [workload_rays, step_rays, cell_rays] =
             if self.quick { [2_000, 1_024, 64] } else { [200_000, 100_000, 512] };
-        // What takes time are tests, of all rays against all shapes of their sample: there are one, or hundreds.
+        // Tests take the time, so they determine the parts of the progress bar. A sample has one shape, or hundreds.
         let tests = |rays: u64, sample: &dyn Fn(&mut Pcg64) -> Sample<S>| {
             rays as f64 * sample(&mut workload::rng(self.seed, S::FAMILY, "", &[], 0)).shapes.len() as f64
         };
-        let of_workloads = Workload::ALL.iter().map(|&workload| tests(workload_rays, &|rng| S::sample(workload, rng)));
+        let workload_tests =
+            Workload::ALL.iter().map(|&workload| tests(workload_rays, &|rng| S::sample(workload, rng)));
         let steps = S::REGIMES.iter().flat_map(|regime| regime.steps.iter().map(move |&severity| (regime, severity)));
-        let of_steps = steps.map(|(regime, step)| tests(step_rays, &|rng| (regime.sample)(step as f32, rng)));
-        let of_maps = S::MAPS.iter().map(|map| (map.x.steps().len() * map.y.steps().len()) as f64 * cell_rays as f64);
-        let mut parts = progress.parts(&of_workloads.chain(of_steps).chain(of_maps).collect::<Vec<_>>()).into_iter();
+        let step_tests = steps.map(|(regime, step)| tests(step_rays, &|rng| (regime.sample)(step as f32, rng)));
+        let map_tests = S::MAPS.iter().map(|map| (map.x.steps().len() * map.y.steps().len()) as f64 * cell_rays as f64);
+        let mut parts =
+            progress.parts(&workload_tests.chain(step_tests).chain(map_tests).collect::<Vec<_>>()).into_iter();
         let mut begin = |name: &str| {
-            let part = parts.next().expect("every workload, step and map has its part");
+            let part = parts.next().expect("each workload, step and map has its own part");
             part.note(&format!("{}: accuracy, {name}", S::FAMILY));
             part.reach(0.0);
         };

@@ -1,4 +1,4 @@
-//! Counts the errors of a kernel, ray by ray, and makes a row of them.
+//! Counts the errors of one kernel ray by ray, and turns the counts into a row of the record.
 
 use super::stats::ulps_between;
 use crate::geom::{Hit, Ray};
@@ -6,7 +6,7 @@ use crate::oracle::Truth;
 use crate::study::record::AccuracyRow;
 use crate::study::workload::Sample;
 
-/// Whether every kernel should report the hit: it hangs on no equality, and its `t` does not exceed `f32`.
+/// A strict hit: not on a boundary, and with a `t` that `f32` can hold. Every kernel should report it.
 pub(super) fn is_strict(truth: &Truth) -> bool {
     truth.hit && !truth.boundary && truth.t.is_finite()
 }
@@ -23,11 +23,11 @@ pub(super) struct Tally {
     mesh_hits: u64,
     leaks: u64,
     single_hits: u64,
-    doubles: u64,
+    double_hits: u64,
     gross: u64,
-    /// Of every agreed hit.
+    /// Error of `t` of every agreed hit.
     t_ulps: Vec<u32>,
-    /// Of every agreed hit.
+    /// Error of `u` and `v` of every agreed hit.
     uv_errors: Vec<f32>,
 }
 
@@ -43,7 +43,7 @@ impl Tally {
         self.rays += 1;
         for (truth, hit) in truths.iter().zip(hits) {
             self.tests += 1;
-            // What happens exactly on a boundary is reported, never counted as an error.
+            // A pair exactly on a boundary is never counted as an error; `boundary` reports it below.
             if is_strict(truth) {
                 self.strict_hits += 1;
                 self.false_misses += u64::from(!hit.mask);
@@ -66,12 +66,12 @@ impl Tally {
         }
         if mesh && exact == 1 && truths.iter().all(|truth| !truth.boundary) {
             self.single_hits += 1;
-            self.doubles += u64::from(reported > 1);
+            self.double_hits += u64::from(reported > 1);
         }
     }
 
     fn agreed(&mut self, truth: &Truth, hit: &Hit<f32>, ray: &Ray<f32>) {
-        // An entry clipped to the start of the interval is exact by construction and would only hide the others.
+        // A `t` clipped to the start of the interval is exact by construction. Counting it would hide other errors.
         if truth.t.to_bits() == ray.t_min.to_bits() {
             return;
         }
@@ -94,7 +94,7 @@ impl Tally {
         self.mesh_hits += other.mesh_hits;
         self.leaks += other.leaks;
         self.single_hits += other.single_hits;
-        self.doubles += other.doubles;
+        self.double_hits += other.double_hits;
         self.gross += other.gross;
         self.t_ulps.extend(other.t_ulps);
         self.uv_errors.extend(other.uv_errors);
@@ -122,7 +122,7 @@ impl Tally {
             mesh_hits: self.mesh_hits,
             leak_per_million: per_million(self.leaks, self.mesh_hits),
             single_hits: self.single_hits,
-            double_per_million: per_million(self.doubles, self.single_hits),
+            double_hit_per_million: per_million(self.double_hits, self.single_hits),
             agreed_hits: agreed,
             t_ulp_p50: ulps(0.5),
             t_ulp_p99: ulps(0.99),
@@ -134,12 +134,12 @@ impl Tally {
     }
 }
 
-/// Zero where there is nothing to count among.
+/// `count` per million of `of`; 0 if `of` is 0.
 fn per_million(count: u64, of: u64) -> f64 {
     if of == 0 { 0.0 } else { 1e6 * count as f64 / of as f64 }
 }
 
-/// The index, in a sorted list, of the value that this share of them does not exceed.
+/// Index, in a sorted list of `count` values, of the value that the given share of them does not exceed.
 pub(super) fn quantile(share: f64, count: usize) -> usize {
     ((share * count as f64) as usize).min(count.saturating_sub(1))
 }
@@ -149,15 +149,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_follow_their_definitions() {
+    fn each_error_is_counted_by_its_definition() {
         let ray = Ray::new(glam::Vec3::ZERO, glam::Vec3::Z);
         let miss = Hit::MISS;
         let hit = Hit::<f32>::new(true, 2.0, 0.25, 0.5);
         let inside = Truth { hit: true, boundary: false, t: 2.0, u: 0.25, v: 0.25 };
         let edge = Truth { boundary: true, ..inside };
         let mut tally = Tally::default();
-        tally.ray(&ray, &[inside, Truth::MISS], &[miss, miss], true); // lost: a leak and a false miss
-        tally.ray(&ray, &[inside, Truth::MISS], &[hit, hit], true); // a double and a false hit
+        tally.ray(&ray, &[inside, Truth::MISS], &[miss, miss], true); // a leak and a false miss
+        tally.ray(&ray, &[inside, Truth::MISS], &[hit, hit], true); // a double hit and a false hit
         tally.ray(&ray, &[edge, edge], &[miss, miss], true); // a leak on the edge
         tally.ray(&ray, &[edge, edge], &[hit, hit], true);
         tally.ray(&ray, &[edge, edge], &[hit, miss], true);
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!((row.false_miss_per_million, row.false_hit_per_million), (5e5, 5e5));
         assert_eq!((row.boundary_none, row.boundary_one, row.boundary_many), (1, 1, 1));
         assert_eq!((row.mesh_hits, row.leak_per_million), (5, 4e5));
-        assert_eq!((row.single_hits, row.double_per_million), (2, 5e5));
+        assert_eq!((row.single_hits, row.double_hit_per_million), (2, 5e5));
         assert_eq!((row.agreed_hits, row.t_ulp_max, row.uv_error_max), (4, 0, 0.25));
     }
 }

@@ -1,5 +1,6 @@
-//! Timing of the tracer. What is compared is interleaved: the first sample of every job, then the second of every job, so
-//! that a slow spell of the machine falls on all alike. Jobs with the same rays must end with the same hits.
+//! Timing of the tracer. Jobs that are compared are interleaved: the first sample of every job, then the second sample
+//! of every job, and so on. If the machine is slow for a while, all jobs suffer equally. Jobs with the same rays must
+//! give the same hits.
 
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use crate::geom::Hit;
 use crate::study::progress::Progress;
 use crate::tracer::{Error, Mode, Scene, checksum, trace_into};
 
-/// A set of rays, and how it is traced.
+/// A set of rays, and how to trace it.
 #[derive(Debug)]
 pub(crate) struct Job<'a> {
     pub(crate) scene: &'a Scene<TracerKernel>,
@@ -21,14 +22,14 @@ pub(crate) struct Job<'a> {
     pub(crate) pool: &'a ThreadPool,
 }
 
-/// How long a job took, and what it found.
+/// How long a job took, and what it hit.
 #[derive(Clone, Debug)]
 pub(crate) struct Timing {
     /// Number of rays.
     pub(crate) rays: usize,
-    /// Rays that hit.
+    /// Number of rays that hit.
     pub(crate) hits: usize,
-    /// Over the bits of all hits, of every run.
+    /// Hash of the bits of all hits. It is the same in every run.
     pub(crate) checksum: u64,
     /// Wall time of each sample.
     seconds: Vec<f64>,
@@ -40,7 +41,7 @@ impl Timing {
         self.of_samples(|seconds| self.rays as f64 / seconds / 1e6)
     }
 
-    /// The same in wall nanoseconds per ray.
+    /// Median of the samples in wall nanoseconds per ray, and their median absolute deviation.
     pub(crate) fn ns_per_ray(&self) -> [f64; 2] {
         self.of_samples(|seconds| seconds * 1e9 / self.rays as f64)
     }
@@ -51,18 +52,20 @@ impl Timing {
     }
 }
 
-/// Times the jobs, in their order, into room that is there already. Each runs once before, to warm up. Fills `progress`.
+/// Times the jobs in their order, `samples` times each after one warm-up run. Hits go into memory that is allocated
+/// beforehand. Reports to `progress`.
 ///
 /// # Errors
-/// If a job gives other hits than the first one with the same rays, even in a single run: a timing of wrong results is worth
-/// nothing.
+/// If any run of a job gives other hits than the first job with the same scene and rays: a timing of wrong results is
+/// worthless.
 pub(crate) fn time(jobs: &[Job], samples: usize, progress: &Progress) -> Result<Vec<Timing>, Error> {
     let most = jobs.iter().map(|job| job.set.rays.len()).max().unwrap_or(0);
-    // What no ray can end with, so that nothing that an earlier run has left passes for a hit of a later one.
+    // A value that no ray can give. It overwrites the hits of earlier runs, so that they cannot pass for hits of a
+    // later one.
     let unset = Hit::<f32>::new(true, f32::NEG_INFINITY, 0.0, 0.0);
-    let mut room = vec![unset; most];
+    let mut buffer = vec![unset; most];
     let mut run = |job: &Job| {
-        let hits = &mut room[..job.set.rays.len()];
+        let hits = &mut buffer[..job.set.rays.len()];
         hits.fill(unset);
         let seconds = job.pool.install(|| {
             let start = Instant::now();
@@ -83,7 +86,7 @@ pub(crate) fn time(jobs: &[Job], samples: usize, progress: &Progress) -> Result<
             } else {
                 timings[number].seconds.push(seconds);
             }
-            let first = jobs.iter().position(|other| same(other, job)).expect("the job itself is there");
+            let first = jobs.iter().position(|other| same(other, job)).expect("the list contains the job itself");
             if checksum != timings[first].checksum {
                 let [one, other] = [&jobs[first], job]
                     .map(|job| format!("mode {} on {} threads", job.mode.name(), job.pool.current_num_threads()));
@@ -97,27 +100,27 @@ pub(crate) fn time(jobs: &[Job], samples: usize, progress: &Progress) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::measure::built_scene::Stage;
+    use crate::study::measure::built_scene::BuiltScene;
     use crate::tracer::{SceneSource, thread_pool};
 
     #[test]
-    fn every_way_of_tracing_is_timed_and_finds_the_same() {
+    fn every_mode_is_timed_and_gives_the_same_hits() {
         let (source, progress) = (SceneSource::parse("sphere:small").unwrap(), Progress::bar());
-        let stage = Stage::set(&source, (32, 1), &progress).unwrap();
+        let built = BuiltScene::new(&source, (32, 1), &progress).unwrap();
         let pools = [1, 2].map(|threads| thread_pool(threads).unwrap());
         let of_set =
-            |set| Mode::ALL.map(|mode| Job { scene: &stage.scene, set, mode, pool: &pools[mode as usize % 2] });
-        let jobs: Vec<Job> = stage.sets.iter().flat_map(of_set).collect();
+            |set| Mode::ALL.map(|mode| Job { scene: &built.scene, set, mode, pool: &pools[mode as usize % 2] });
+        let jobs: Vec<Job> = built.sets.iter().flat_map(of_set).collect();
         let timings = time(&jobs, 3, &progress).unwrap();
         for (job, timing) in jobs.iter().zip(&timings) {
             assert_eq!((timing.rays, timing.seconds.len()), (job.set.rays.len(), 3));
             let ([rate, _], [ns, _]) = (timing.mrays_per_second(), timing.ns_per_ray());
-            // Of an odd number of samples both medians are of the same one.
+            // With an odd number of samples, both medians come from the same sample.
             assert!(rate > 0.0 && (rate * ns / 1e3 - 1.0).abs() < 1e-9, "{rate} {ns}");
         }
         let primary = &timings[..Mode::ALL.len()];
-        assert!((1..timings[0].rays).contains(&timings[0].hits), "a sphere fills no picture");
+        assert!((1..timings[0].rays).contains(&timings[0].hits), "some primary rays miss the sphere");
         assert!(primary.iter().all(|timing| (timing.hits, timing.checksum) == (timings[0].hits, timings[0].checksum)));
-        assert_ne!(timings[0].checksum, timings[Mode::ALL.len()].checksum, "other rays, other hits");
+        assert_ne!(timings[0].checksum, timings[Mode::ALL.len()].checksum, "other rays must have other hits");
     }
 }

@@ -1,4 +1,4 @@
-//! Traces the same rays with every contender in turn, and compares their hits with ours.
+//! Times all contenders in turn on the same rays, and compares their hits with ours.
 
 use std::time::Instant;
 
@@ -21,12 +21,12 @@ use crate::tracer::{Error, SceneSource, checksum};
 #[cfg(feature = "peers")]
 use crate::tracer::{LoadedScene, Scene, thread_pool};
 
-/// Traces a set of rays with every contender in turn, on every pool, `rounds` times after a warm-up: a change of clock rate or a
-/// neighbour on the machine meets all of them alike. Hits are compared with those of the first contender, which must be ours.
-/// Only the tracing is timed.
+/// Traces a set of rays with every contender in turn, each on its pool, in `rounds` rounds after a warm-up. A change of
+/// the clock rate, or other work on the machine, affects all of them equally. Only the tracing is timed. Hits are
+/// compared with those of the first contender, which must be ours.
 ///
 /// # Errors
-/// If two of our contenders disagree about a hit, or any contender with itself.
+/// If two contenders of this crate disagree about a hit, or if any contender gives different hits in two rounds.
 pub fn measure(
     (scene, triangles): (&str, usize),
     set: &RaySet,
@@ -36,10 +36,10 @@ pub fn measure(
     let mut hits = vec![Hit::MISS; set.rays.len()];
     let mut reference = None;
     let mut rows = Vec::<PeerRow>::new();
-    // The first round warms up.
+    // Round 0 is the warm-up.
     for round in 0..=rounds {
         for (number, (contender, pool)) in contenders.iter().enumerate() {
-            // What a tracer leaves out must not be what another one has found.
+            // Overwrite the hits of the tracer before: a tracer that skips a ray must not inherit its hit.
             hits.fill(Hit { mask: true, t: f32::NAN, ..Hit::MISS });
             let start = Instant::now();
             pool.install(|| contender.scene.trace(&set.rays, set.any_hit, &mut hits));
@@ -81,10 +81,11 @@ pub fn measure(
     Ok(rows)
 }
 
-/// A scene in all our modes and in the peers that are crates, one thread; nothing of a scene that is more than one mesh.
+/// Compares all our modes with the peers that are crates on one scene, with one thread. Returns no rows if the scene is
+/// more than one mesh.
 ///
 /// # Errors
-/// If the scene cannot be loaded, if hits that must be identical are not, or if this build has no peers.
+/// If the scene cannot be loaded, if hits differ that must be identical, or if this build has no peers.
 #[cfg(feature = "peers")]
 pub(crate) fn compare(source: &SceneSource, size: u32, seed: u64, rounds: usize) -> Result<Vec<PeerRow>, Error> {
     let LoadedScene { world, view, .. } = source.load()?;
@@ -107,10 +108,10 @@ pub(crate) fn compare(_: &SceneSource, _: u32, _: u64, _: usize) -> Result<Vec<P
     available().map(|()| Vec::new())
 }
 
-/// Whether this build has peers.
+/// Checks that this build has peers.
 ///
 /// # Errors
-/// If it has not: says how to get them.
+/// If it has none. The message says how to build with peers.
 pub fn available() -> Result<(), Error> {
     if cfg!(feature = "peers") {
         return Ok(());
@@ -129,10 +130,10 @@ mod timing_tests {
     use crate::geom::Ray;
     use crate::tracer::thread_pool;
 
-    /// Reports the hits of these primitives, one after the other in each call.
-    struct Made(Vec<u32>, AtomicU32);
+    /// A tracer whose calls report a hit of these primitives, one after the other.
+    struct FakeTracer(Vec<u32>, AtomicU32);
 
-    impl Tracer for Made {
+    impl Tracer for FakeTracer {
         fn trace(&self, _: &[Ray<f32>], _: bool, hits: &mut [Hit<f32>]) {
             let call = self.1.fetch_add(1, Ordering::Relaxed) as usize;
             hits.fill(Hit { primitive: self.0[call % self.0.len()], ..Hit::<f32>::new(true, 1.0, 0.0, 0.0) });
@@ -142,21 +143,21 @@ mod timing_tests {
     fn contender(tracer: &'static str, primitives: &[u32]) -> Contender<'static> {
         Contender {
             tracer,
-            configuration: "made".into(),
+            configuration: "fake".into(),
             watertight: false,
             build_seconds: 0.5,
             bytes: Some(1000),
-            scene: Box::new(Made(primitives.into(), AtomicU32::new(0))),
+            scene: Box::new(FakeTracer(primitives.into(), AtomicU32::new(0))),
         }
     }
 
     #[test]
-    fn whoever_contradicts_itself_or_us_is_found() {
+    fn a_tracer_that_contradicts_itself_or_a_mode_of_ours_is_an_error() {
         let pool = thread_pool(1).unwrap();
         let set = RaySet { name: "primary", any_hit: false, rays: vec![Ray::INACTIVE; 3] };
         let measured = |contenders: &[Contender]| {
             let contenders: Vec<_> = contenders.iter().map(|contender| (contender, &pool)).collect();
-            measure(("made", 10), &set, &contenders, 4)
+            measure(("fake", 10), &set, &contenders, 4)
         };
         let rows = measured(&[contender(OURS, &[1]), contender(OURS, &[1]), contender("other", &[2])]).unwrap();
         let differing: Vec<_> = rows.iter().map(|row| row.disagreements.ties).collect();
@@ -167,7 +168,7 @@ mod timing_tests {
         }
         for wrong in [contender(OURS, &[2]), contender(OURS, &[1, 1, 1, 2]), contender("other", &[2, 2, 2, 3])] {
             let error = measured(&[contender(OURS, &[1]), wrong]).unwrap_err().to_string();
-            assert!(error.starts_with("hits differ: made, primary rays, "), "{error}");
+            assert!(error.starts_with("hits differ: fake, primary rays, "), "{error}");
         }
     }
 }
@@ -178,24 +179,24 @@ mod peer_tests {
     use crate::tracer::{Mode, trace};
 
     #[test]
-    fn every_peer_reports_our_hits_but_for_its_rounding() {
+    fn every_peer_reports_our_hits_up_to_rounding() {
         let source = SceneSource::parse("terrain:1e3").unwrap();
         let rows = compare(&source, 64, 7, 1).unwrap();
-        assert_eq!(rows.len(), 4 * (Mode::ALL.len() + 7), "four sets of rays");
+        assert_eq!(rows.len(), 4 * (Mode::ALL.len() + 7), "four sets of rays, all our modes and seven peers");
         for row in &rows {
             let Disagreements { only_first, only_second, other_primitive, ties } = row.disagreements;
             assert!(row.hits > 0 && row.mrays_per_second > 0.0, "{row:?}");
             if row.tracer == OURS {
                 assert_eq!(row.disagreements, Disagreements::default(), "{row:?}");
             }
-            // Rays that run along an edge, or leave a surface at a grazing angle, may be seen differently.
+            // Tracers may differ on rays along an edge, and on rays that leave a surface at a grazing angle.
             assert!(only_first + only_second + other_primitive <= row.ray_count / 500, "{row:?}");
             assert!(ties <= row.ray_count / 100, "{row:?}");
         }
     }
 
     #[test]
-    fn barycentrics_of_all_peers_mean_the_same() {
+    fn all_peers_agree_on_the_meaning_of_u_and_v() {
         let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e3").unwrap().load().unwrap();
         let scene = Scene::<Woop<f32>>::new(world);
         let [primary, ..] = ray_sets(&scene, &view, 64, 7);

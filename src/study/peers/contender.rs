@@ -1,4 +1,4 @@
-//! How a tracer takes part in the comparison.
+//! What a tracer needs to take part in the comparison: the trait [`Tracer`], and this crate as a contender.
 
 use std::fmt;
 
@@ -10,14 +10,14 @@ use crate::kernels::{Claim, Kernel};
 use crate::study::record::OURS;
 use crate::tracer::{Geometry, Mesh, Mode, Scene, World, trace_into};
 
-/// A scene that is ready to be traced, by whatever means.
+/// A scene that is ready to be traced by some tracer.
 pub trait Tracer: Send + Sync {
-    /// Traces every ray for its closest hit, or with `any_hit` only for whether there is one, on the threads of the current
-    /// rayon pool. Hits are those of [`trace_into`], but for rounding.
+    /// Finds the closest hit of every ray, or, with `any_hit`, only whether there is a hit. Runs on the threads of the
+    /// current rayon pool. Up to rounding, hits are those of [`trace_into`].
     fn trace(&self, rays: &[Ray<f32>], any_hit: bool, hits: &mut [Hit<f32>]);
 }
 
-/// This crate, in one of its modes.
+/// This crate in one of its modes.
 struct Ours<'a, K: Kernel> {
     scene: &'a Scene<K>,
     mode: Mode,
@@ -29,8 +29,8 @@ impl<K: Kernel<Shape = Triangle>> Tracer for Ours<'_, K> {
     }
 }
 
-/// Hands out a thousand rays at a time, and the room for their hits, to the threads of the current rayon pool: what a tracer
-/// without threads of its own needs around it.
+/// Splits rays and hits into chunks of 1024, and calls `trace` for each on the threads of the current rayon pool. For
+/// tracers that have no threads of their own.
 pub fn in_chunks(rays: &[Ray<f32>], hits: &mut [Hit<f32>], trace: impl Fn(&[Ray<f32>], &mut [Hit<f32>]) + Sync) {
     const CHUNK: usize = 1024;
     hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each(|(hits, rays)| trace(rays, hits));
@@ -38,17 +38,17 @@ pub fn in_chunks(rays: &[Ray<f32>], hits: &mut [Hit<f32>], trace: impl Fn(&[Ray<
 
 /// A tracer in one configuration.
 pub struct Contender<'a> {
-    /// Whose: [`OURS`], or the name of a crate or library.
+    /// Name of the tracer: [`OURS`], or the name of a crate or library.
     pub tracer: &'static str,
-    /// How it is set up. Ours: the mode.
+    /// Configuration of the tracer. For this crate, the mode.
     pub configuration: String,
-    /// Whether no ray slips through between triangles that share an edge, by its authors' word.
+    /// Whether its authors promise that no ray passes between two triangles that share an edge.
     pub watertight: bool,
-    /// Seconds to build it.
+    /// Seconds to build its tree.
     pub build_seconds: f64,
-    /// What it takes in memory, where that can be told.
+    /// Bytes of memory; `None` if unknown.
     pub bytes: Option<usize>,
-    /// The scene in it.
+    /// The scene, ready to be traced.
     pub scene: Box<dyn Tracer + 'a>,
 }
 
@@ -58,7 +58,7 @@ impl fmt::Debug for Contender<'_> {
     }
 }
 
-/// This crate in each of its modes, the scalar one first.
+/// This crate in each of its modes, scalar first.
 pub fn ours<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, build_seconds: f64) -> [Contender<'_>; 4] {
     Mode::ALL.map(|mode| Contender {
         tracer: OURS,
@@ -70,8 +70,8 @@ pub fn ours<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, build_seconds: f64) -
     })
 }
 
-/// The mesh of a world that is nothing but one mesh as it is, so that primitive numbers are those of its triangles; `None` of
-/// any other, for which peers without instances or quadrics would do other work.
+/// The mesh of a world that consists of one mesh, without a transform. Its primitive numbers are then those of its
+/// triangles. `None` for any other world: peers that know no instances or quadrics could not trace it.
 pub fn plain_mesh(world: &World) -> Option<&Mesh> {
     match (world.geometries(), world.instances()) {
         ([Geometry::Mesh(mesh)], [only]) if only.object_to_world == Affine3::IDENTITY => Some(mesh),

@@ -1,5 +1,5 @@
-//! The peers on crates.io, each as its users call it: the crate's own tree, the traversal that it offers, and its own triangle
-//! test where it has one for both sides of a triangle.
+//! The peers on crates.io, called as their users would: with the crate's tree, its traversal, and its own triangle test
+//! if that sees both sides of a triangle.
 
 use std::time::{Duration, Instant};
 
@@ -23,9 +23,9 @@ use crate::kernels::triangle::MollerTrumbore;
 use crate::kernels::{Intersect, Kernel};
 use crate::tracer::Mesh;
 
-/// Every crate in its best configurations, with the mesh built into it.
+/// Every crate in its best configurations, with a tree built over the mesh.
 pub fn rust_peers(mesh: &Mesh) -> Vec<Contender<'static>> {
-    // Pre-splits are spatial splits of large triangles, before the tree is built.
+    // The presets may split large triangles before the tree is built (spatial splits).
     let presets =
         [("medium build", BvhBuildParams::medium_build()), ("very slow build", BvhBuildParams::very_slow_build())];
     let mut peers = Vec::new();
@@ -36,11 +36,11 @@ pub fn rust_peers(mesh: &Mesh) -> Vec<Contender<'static>> {
     for (name, strategy) in [("binned", BvhBuildStrategy::Binned), ("PLOC", BvhBuildStrategy::Ploc)] {
         peers.push(contender("parry3d", name.into(), || Parry::new(mesh, strategy)));
     }
-    peers.push(contender("bvh", "nearer child first".into(), || OfBvh::new(mesh)));
+    peers.push(contender("bvh", "nearer child first".into(), || BvhCrate::new(mesh)));
     peers
 }
 
-/// Builds a peer, and times that. None of them promises watertight edges.
+/// Builds a peer and times the build. None of these crates promises watertight edges.
 fn contender<T: Tracer + Size + 'static>(
     tracer: &'static str,
     configuration: String,
@@ -53,11 +53,11 @@ fn contender<T: Tracer + Size + 'static>(
 }
 
 trait Size {
-    /// Bytes of tree and triangles, if the crate lets see them.
+    /// Bytes of tree and triangles; `None` if the crate hides them.
     fn bytes(&self) -> Option<usize>;
 }
 
-/// Of an any-hit ray there is only whether it hits.
+/// The hit of an any-hit ray: only the mask matters.
 fn any(hit: bool) -> Hit<f32> {
     Hit::<f32>::new(hit, 0.0, 0.0, 0.0)
 }
@@ -68,7 +68,7 @@ struct Obvhs<B> {
     triangles: Vec<RtTriangle>,
 }
 
-/// What its two trees have in common.
+/// The operations that both trees of obvhs have.
 trait ObvhsTree: Send + Sync {
     fn build(triangles: &[obvhs::triangle::Triangle], parameters: BvhBuildParams) -> Self;
     fn primitives(&self) -> &[u32];
@@ -195,11 +195,11 @@ impl Tracer for Parry {
                     let (found, weights) = local_ray_intersection_with_triangle(a, b, c, &ray)?;
                     Some((found.time_of_impact, weights))
                 };
-                // Its rays begin at zero and end before `t_max`.
+                // The crate's rays start at zero, so the interval is checked here.
                 let in_interval = |index| test(index).map(|(t, _)| t).filter(|t| (t_min..=t_max).contains(t));
                 let end = t_max.min(f32::MAX);
                 *hit = if any_hit {
-                    // Nothing is closer than that, and so the search is over.
+                    // No hit is closer than minus infinity, so the search ends.
                     let stop = |index, _| in_interval(index).map(|_| f32::NEG_INFINITY);
                     any(self.tree.cast_ray(&ray, end, stop).is_some())
                 } else {
@@ -221,9 +221,10 @@ impl Tracer for Parry {
     }
 }
 
-/// A tree of the crate bvh. Its triangle test sees one side only, and its iterators cannot be told how far a ray goes, or that a
-/// hit has been found: so the test is ours, and the traversal, over the crate's nodes with the crate's box test, too.
-struct OfBvh {
+/// A tree of the crate bvh. The crate's triangle test sees one side only. Its iterators do not know the end of a ray,
+/// and cannot be told that a hit was found. So the triangle test and the traversal are ours, over the crate's nodes and
+/// with its box test.
+struct BvhCrate {
     tree: Bvh<f32, 3>,
     shapes: Vec<BvhShape>,
 }
@@ -250,7 +251,7 @@ impl BHShape<f32, 3> for BvhShape {
     }
 }
 
-impl OfBvh {
+impl BvhCrate {
     fn new(mesh: &Mesh) -> Self {
         let shape = |triangle: Triangle| {
             let bounds = triangle.bounds();
@@ -262,7 +263,7 @@ impl OfBvh {
     }
 
     fn trace_one(&self, ray: &Ray<f32>, any_hit: bool, stack: &mut Vec<(usize, f32)>) -> Hit<f32> {
-        // Not by its constructor, which would scale the direction to unit length.
+        // The constructor is not used, because it would normalise the direction.
         let direction = Vector3::from(ray.dir.to_array());
         let inv_direction = direction.map(f32::recip);
         let query = bvh::ray::Ray { origin: Point3::from(ray.origin.to_array()), direction, inv_direction };
@@ -303,13 +304,13 @@ impl OfBvh {
     }
 }
 
-impl Size for OfBvh {
+impl Size for BvhCrate {
     fn bytes(&self) -> Option<usize> {
         Some(size_of_val(&self.tree.nodes[..]) + size_of_val(&self.shapes[..]))
     }
 }
 
-impl Tracer for OfBvh {
+impl Tracer for BvhCrate {
     fn trace(&self, rays: &[Ray<f32>], any_hit: bool, hits: &mut [Hit<f32>]) {
         in_chunks(rays, hits, |rays, hits| {
             let mut stack = Vec::new();

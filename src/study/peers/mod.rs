@@ -1,4 +1,7 @@
-//! Other tracers on the same rays: how each takes part, how all are timed, and where their hits differ from ours.
+//! The comparison with other tracers on the same rays: the peers, how all of them are timed, and how many of their hits
+//! differ from ours.
+//!
+//! The crates obvhs, bvh and parry3d need the feature `peers`. The bench of that name adds Embree.
 
 mod compare;
 mod contender;

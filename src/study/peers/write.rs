@@ -1,4 +1,4 @@
-//! Writes a comparison.
+//! Writes a comparison: `peers.json` and `peers.md`.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use crate::study::record::folder::make_folder;
 use crate::study::record::{PeersRecord, one_row_per_line};
 use crate::tracer::{Error, write_atomically};
 
-/// Writes `peers.json` and `peers.md` into a folder, which is made if it is not there.
+/// Writes `peers.json` and `peers.md` into a folder. Makes the folder if it does not exist.
 ///
 /// # Errors
-/// If something cannot be written.
+/// If the folder or a file cannot be written.
 pub fn write(record: &PeersRecord, folder: &Path) -> Result<(), Error> {
     make_folder(folder)?;
     let json = one_row_per_line(record).expect("a record is plain data");

@@ -1,6 +1,6 @@
-//! A table of cells, as Markdown or as columns for a terminal.
+//! Tables: a grid of cells that is written as Markdown, or as aligned columns for a terminal.
 
-/// A cell, and whether it stands out.
+/// A cell, and how it is emphasised.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     text: String,
@@ -21,23 +21,24 @@ impl<T: Into<String>> From<T> for Cell {
 }
 
 impl Cell {
-    /// Marks the best of its kind.
+    /// Marks the cell as the best of its kind if `best` is set.
     pub(crate) fn best_if(self, best: bool) -> Self {
         if best { Self { emphasis: Emphasis::Best, ..self } } else { self }
     }
 
+    /// Marks the cell as a failure if `bad` is set.
     pub(crate) fn bad_if(self, bad: bool) -> Self {
         if bad { Self { emphasis: Emphasis::Bad, ..self } } else { self }
     }
 }
 
-/// A table whose first `left` columns are text, and the others numbers.
+/// A table. The first `left` columns are text and aligned left; the others are numbers and aligned right.
 #[derive(Debug)]
 pub(crate) struct Grid {
     left: usize,
-    /// Heads of the columns.
+    /// Headers of the columns.
     pub(crate) header: Vec<Cell>,
-    /// Rows as long as the header, or of one cell: a heading across all columns.
+    /// Rows. Each has as many cells as the header, or a single cell: a heading across all columns.
     pub(crate) rows: Vec<Vec<Cell>>,
 }
 
@@ -47,7 +48,7 @@ impl Grid {
         Self { left, header: header.map(Cell::from).to_vec(), rows: Vec::new() }
     }
 
-    /// In Markdown; the best cells are bold.
+    /// The table in Markdown. The best cells are bold.
     pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let rule = |column| if column < self.left { "---" } else { "--:" }.to_owned();
@@ -61,7 +62,7 @@ impl Grid {
         out
     }
 
-    /// In columns, with colours if asked for.
+    /// The table in aligned columns. With `color`, the best cells are green, failures are red, and headings are bold.
     pub(crate) fn terminal(&self, color: bool) -> String {
         let width = |cell: &Cell| cell.text.chars().count();
         let full_rows = || self.rows.iter().filter(|row| row.len() == self.header.len()).chain([&self.header]);
@@ -73,7 +74,7 @@ impl Grid {
         };
         let line = |row: &Vec<Cell>| {
             let cells = row.iter().enumerate().map(|(column, cell)| {
-                // Padding stays outside of the colour codes, which have no width.
+                // The padding is outside the colour codes, which have no width.
                 let padding = " ".repeat(widths[column].saturating_sub(width(cell)));
                 let text = match cell.emphasis {
                     Emphasis::None => cell.text.clone(),

@@ -1,4 +1,5 @@
-//! The record as people read it: charts, the report, and tables for a terminal.
+//! The record as people read it: charts, the report, and tables for the terminal. Everything here is made from the
+//! record alone.
 
 pub(crate) mod chart;
 mod grid;

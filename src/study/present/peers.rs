@@ -1,4 +1,4 @@
-//! The comparison as tables: for a terminal, for `peers.md` and for the study's report.
+//! The comparison with peers as tables: for a terminal, for `peers.md` and for the study's report.
 
 use super::grid::{Cell, Grid};
 use crate::study::figures::peers::{is_ours, ratio};
@@ -6,15 +6,17 @@ use crate::study::figures::{MISSING, count, number, optional};
 use crate::study::record::{OURS, PeerRow, PeersRecord, TargetRow};
 use crate::tracer::Mode;
 
-/// What the columns of [`rates`] mean.
+/// The meaning of the columns of [`rates`].
 pub(crate) const LEGEND: &str = "\
-Million rays per second with one thread (1T), median of the rounds ± median absolute deviation, and with two (2T). The ratio \
-is how many times as fast our automatic mode is with one thread, formed within each round. Disagreements are with our scalar \
-mode, in rays: those that only ours hits, those that only the other one hits, those that both hit but on different primitives \
-at different `t`, and the same at about the same `t`, where either answer is right (an edge that two triangles share, or one \
-triangle twice). Bytes per triangle are of all that a tracer keeps; what an automatic mode has chosen is not shown.";
+Million rays per second with one thread (1T), median of the rounds ± median absolute deviation, and with two threads \
+(2T). *Ratio*: speed of raylanes in mode auto over the speed of this tracer, both with one thread, formed within each \
+round. The next four columns count rays on which the tracer disagrees with raylanes in mode scalar. *Only ours*: only \
+raylanes reports a hit. *Only it*: only the other tracer does. *Other*: both hit, but different primitives at \
+different `t`. *Tie*: both hit different primitives at about the same `t`, and both are right (an edge that two \
+triangles share, or a triangle that occurs twice). *B/tri*: bytes per triangle of everything that the tracer keeps. \
+The table does not show what mode auto chose.";
 
-/// A table for each scene and set of rays, with its heading. The fastest with one thread is best.
+/// A heading and a table for each scene and set of rays. The fastest with one thread is marked as best.
 pub(crate) fn rates(rows: &[PeerRow]) -> Vec<(String, Grid)> {
     rows.chunk_by(|a, b| (&a.scene, &a.rays) == (&b.scene, &b.rays)).map(|set| (heading(set), rates_of(set))).collect()
 }
@@ -44,7 +46,7 @@ fn rates_of(set: &[PeerRow]) -> Grid {
             Cell::from(optional(ours.map(|ours| ratio(ours, row).0), 3)),
             Cell::from(optional(two.map(|row| row.mrays_per_second), 3)),
         ];
-        // Our hits are the same in every mode, or there were no record.
+        // Our modes never disagree, else there would be no record.
         cells.extend(
             differing.map(|rays| Cell::from(if row.tracer == OURS { String::new() } else { count(rays as u64) })),
         );
@@ -55,7 +57,7 @@ fn rates_of(set: &[PeerRow]) -> Grid {
     grid
 }
 
-/// The targets, judged; those that are not met are bad.
+/// The targets, and whether they are met. A target that is not met is marked as a failure.
 fn targets(judged: &[TargetRow]) -> Grid {
     let mut grid = Grid::new(4, ["scene", "rays", "against", "peer", "target", "aim", "ratio", "±", "verdict"]);
     for row in judged {
@@ -85,7 +87,7 @@ fn targets(judged: &[TargetRow]) -> Grid {
     grid
 }
 
-/// Everything, in columns; `color` adds ANSI colours.
+/// The whole comparison as text for a terminal. `color` adds ANSI colours.
 pub fn terminal(record: &PeersRecord, color: bool) -> String {
     let mut text = String::new();
     for (heading, grid) in rates(&record.peers) {
@@ -94,15 +96,16 @@ pub fn terminal(record: &PeersRecord, color: bool) -> String {
     text + &targets(&record.targets).terminal(color)
 }
 
-/// Everything, in Markdown.
+/// The whole comparison in Markdown.
 pub(crate) fn markdown(record: &PeersRecord) -> String {
     let PeersRecord { machine, size, rounds, seed, kernel, seconds, .. } = record;
     let mut parts = vec![
         "# raylanes and its peers".to_owned(),
         format!(
-            "The same rays, of a picture of {size} × {size} pixels (seed {seed}), traced by everyone in turn, {rounds} rounds after a \
-             warm-up, in {} s: hits written to the same room, only the tracing timed, conversion of rays and hits included. Our \
-             triangle kernel is `{kernel}`.",
+            "All tracers trace the same rays, those of a picture of {size} × {size} pixels (seed {seed}). They take \
+             turns, in {rounds} rounds after a warm-up, and write hits of the same form to the same memory. The time \
+             includes converting rays and hits, but not building. The triangle kernel of raylanes is `{kernel}`. All \
+             of it took {} s.",
             number(*seconds, 3)
         ),
         format!(
@@ -114,8 +117,8 @@ pub(crate) fn markdown(record: &PeersRecord) -> String {
             machine.versions.join(", ")
         ),
         "## Targets".to_owned(),
-        "Rays per second of our automatic mode over those of the fastest peer of a kind, formed within each round: median ± median \
-         absolute deviation. With one thread but where it says two."
+        "The ratio is rays per second of raylanes in mode auto over those of the fastest peer of a kind. It is formed \
+         within each round: median ± median absolute deviation. All with one thread, except where the table says two."
             .to_owned(),
         targets(&record.targets).markdown(),
         format!("## Rates\n\n{LEGEND}"),
@@ -141,7 +144,7 @@ mod tests {
             peer_row(EMBREE, "robust", 1, &[10.0, 10.0, 12.0]),
             peer_row(EMBREE, "robust", 2, &[19.0, 19.5, 19.0]),
         ];
-        let [(heading, grid)] = &rates(&rows)[..] else { panic!("one scene, one set") };
+        let [(heading, grid)] = &rates(&rows)[..] else { panic!("one scene with one set of rays makes one table") };
         assert_eq!(heading, "spheres, primary: 81,920 triangles, 1,048,576 rays, 700,000 hits");
         let lines: Vec<_> = grid.markdown().lines().map(str::to_owned).collect();
         assert_eq!(lines[2], "| raylanes auto | **20.0** | 0 | 1.00 | – |  |  |  |  | 0.210 | – |");

@@ -1,53 +1,64 @@
-//! The record as text for a terminal.
+//! The record as a table for a terminal.
 
 use super::grid::{Cell, Grid};
 use super::verdict::verdict;
-use crate::study::figures::tracer::{Traced, modes};
+use crate::study::figures::tracer::{TracedSet, modes};
 use crate::study::figures::{
-    Figures, MISSING, count, groups, groups_of_methods, number, optional, percent, severity, thread_counts, times,
+    KernelFigures, MISSING, count, groups, groups_of_methods, number, optional, percent, severity, thread_counts, times,
 };
 use crate::study::record::Record;
 
-/// The record in at most 110 columns for IDs of the usual length: instances of one kernel only, so that methods are
-/// compared, and the verdict last, where it is seen. `color` adds ANSI colours: the best of its group, and all that tie with it,
-/// green, lost rays red.
+/// The record as text, in at most 110 columns for IDs of the usual length. Of the instances, only those are shown that
+/// compare methods with the same inner kernel. The verdict comes last, where it stays visible.
+///
+/// With `color`, ANSI colours mark the best of each group and all that tie with it (green), and lost rays (red).
 pub fn terminal_table(record: &Record, color: bool) -> String {
     let mut text = kernel_grid(record).terminal(color);
-    text += "\nns: nanoseconds per test of one ray against one primitive, one thread. gain: 1x1 over 8x1. Mt/s: million tests\n\
-             per second, 8x1. limit: what the machine takes at least, over 8x1. Green: the best, and what ties with it.\n\
-             lost: rays that exactly hit, reported to miss, per million, where that is worst; (< b): none was, 95 % bound.\n\
-             ulp: 99th percentile of the distance of t from the correctly rounded one, generic rays.\n";
+    text += "\n\
+             ns: nanoseconds per test of one ray against one primitive, one thread. gain: time of 1x1 over 8x1.\n\
+             limit: the machine's least time for the kernel's operations, over the time of 8x1.\n\
+             Mt/s: million tests per second, 8x1. Green: the best, and all that tie with it.\n\
+             lost: rays that exactly hit but are reported to miss, per million, in the worst workload (\"in\").\n\
+             0 (< b): none was lost; b is the 95 % bound. ulp: 99th percentile of the error of t, generic rays.\n";
     if let Some(claims) = claims(record) {
         text += &claims;
     }
     if !record.tracer.is_empty() {
         text += "\n";
         text += &tracer_grid(record).terminal(color);
-        text += "\nscalar, single, packet, auto: million rays per second, by number of threads. choice: auto over the faster of\n\
-                 single and packet. gain: auto over scalar. scaling: auto with several threads over one.\n";
+        text += "\n\
+                 scalar, single, packet, auto: million rays per second; 1T: with one thread.\n\
+                 auto/best: auto over the faster of single and packet. gain: auto over scalar.\n\
+                 scaling: auto with several threads over auto with one.\n";
     }
     let verdict = verdict(&groups(record));
     if !verdict.is_empty() {
         text += "\n";
-        // Emphasis is for Markdown.
+        // A terminal does not show Markdown emphasis.
         text.extend(verdict.iter().map(|line| format!("- {}\n", line.replace(['*', '`'], ""))));
     }
     text
 }
 
-/// How many claims hold, and which do not.
+/// The number of claims that hold, and the list of those that do not.
 fn claims(record: &Record) -> Option<String> {
     let (broken, kept): (Vec<_>, Vec<_>) =
         record.claims.iter().filter(|row| row.claimed && row.of > 0).partition(|row| row.violations > 0);
-    let mut text = format!("claims: {} kept, {} broken\n", kept.len(), broken.len());
+    let mut text = format!("claims: {} hold, {} are broken\n", kept.len(), broken.len());
     for row in &broken {
-        text += &format!("  BROKEN: {} is not {}: {} of {}\n", row.id, row.claim, count(row.violations), count(row.of));
+        text += &format!(
+            "  BROKEN: {} is not {}: {} of {} rays\n",
+            row.id,
+            row.claim,
+            count(row.violations),
+            count(row.of)
+        );
     }
     (!broken.is_empty() || !kept.is_empty()).then_some(text)
 }
 
-/// The workload that most rays are lost in, where any is.
-fn lost_in(kernel: &Figures) -> String {
+/// The workload that loses the most rays per million; empty if none is lost.
+fn lost_in(kernel: &KernelFigures) -> String {
     kernel.lost_in.map_or(String::new(), |row| match row.severity {
         Some(step) => format!("{} {}", row.workload, severity(step)),
         None => row.workload.clone(),
@@ -61,7 +72,7 @@ fn kernel_grid(record: &Record) -> Grid {
     grid.header.extend(["lost", "in", "ulp"].map(Cell::from));
     for group in groups_of_methods(record) {
         grid.rows.push(vec![Cell::from(group.heading())]);
-        let ulp = group.kernels.iter().filter_map(Figures::ulp).min();
+        let ulp = group.kernels.iter().filter_map(KernelFigures::ulp).min();
         for kernel in &group.kernels {
             let mut row = vec![
                 Cell::from(format!("  {}", kernel.name)),
@@ -86,12 +97,12 @@ fn tracer_grid(record: &Record) -> Grid {
     let threads = thread_counts(record.tracer.iter().map(|row| row.threads).filter(|&threads| threads > 1));
     let mut grid = Grid::new(1, ["scene, rays"]);
     grid.header.extend(modes().map(|mode| Cell::from(format!("{mode} 1T"))));
-    grid.header.extend(["choice", "gain"].map(Cell::from));
+    grid.header.extend(["auto/best", "gain"].map(Cell::from));
     for threads in &threads {
         grid.header.extend([format!("auto {threads}T"), format!("scaling {threads}T")].map(Cell::from));
     }
     let mut heading = String::new();
-    for traced in Traced::all(record) {
+    for traced in TracedSet::all(record) {
         let first = traced.first;
         let scene = format!(
             "{}: {} primitives, {} instances, built in {} s, {} bytes per primitive, {}",
@@ -112,7 +123,7 @@ fn tracer_grid(record: &Record) -> Grid {
             Cell::from(optional(row.map(|row| row.mrays_per_second), 3))
                 .best_if(row.is_some_and(|row| traced.is_among_the_fastest(row)))
         }));
-        row.extend([traced.choice(), traced.gain()].map(|ratio| Cell::from(times(ratio))));
+        row.extend([traced.auto_over_best(), traced.gain()].map(|ratio| Cell::from(times(ratio))));
         for &threads in &threads {
             let scaling = traced.scaling("auto", threads).map(|ratio| ratio.value);
             row.extend([optional(traced.mrays("auto", threads), 3), times(scaling)].map(Cell::from));
@@ -128,7 +139,7 @@ mod tests {
     use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
 
     #[test]
-    fn the_table_shows_every_kernel_in_few_columns() {
+    fn the_table_shows_every_kernel_in_at_most_110_columns() {
         let record = record_of(&all_ids());
         let plain = terminal_table(&record, false);
         for group in groups_of_methods(&record) {
@@ -137,7 +148,7 @@ mod tests {
             let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
             assert!(names.starts_with(&expected), "{}: {names:?}", group.title);
         }
-        assert!(plain.contains("0 (< 15)"), "a zero is shown as a bound");
+        assert!(plain.contains("0 (< 15)"), "a zero must be shown with its bound");
         let (tables, verdict) = plain.split_at(plain.find("\n- ").unwrap());
         assert!(tables.lines().all(|line| line.chars().count() <= 110), "{plain}");
         assert!(verdict.contains("- Triangles: woop_dop loses the fewest rays"), "{verdict}");
@@ -145,10 +156,10 @@ mod tests {
     }
 
     #[test]
-    fn colour_changes_nothing_but_colour() {
+    fn colours_do_not_change_the_text() {
         let record = record_of(&all_ids());
         let mut colored = terminal_table(&record, true);
-        assert!(colored.contains("\x1b[31m51,200"), "lost rays are red");
+        assert!(colored.contains("\x1b[31m51,200"), "lost rays must be red");
         for code in ["0", "1", "31", "32"] {
             colored = colored.replace(&format!("\x1b[{code}m"), "");
         }

@@ -10,13 +10,14 @@ pub struct AccuracyRow {
     pub id: String,
     /// `generic`, `edge`, or the name of a regime of the kernel's family.
     pub workload: String,
-    /// The regime's severity; `null` for the other workloads.
+    /// Severity of the regime; `null` for the other workloads.
     pub severity: Option<f64>,
-    /// Rays, each against one primitive, or against a small mesh in edge-aimed triangle workloads.
+    /// Number of rays. Each is tested against one primitive, or against a small mesh in the edge-aimed triangle
+    /// workloads.
     pub rays: u64,
-    /// Pairs of ray and primitive that were compared with the oracle.
+    /// Number of ray-primitive pairs that were compared with the oracle.
     pub tests: u64,
-    /// Pairs that exactly hit strictly inside; the base of `false_miss_per_million`.
+    /// Pairs that exactly hit, strictly inside; the base of `false_miss_per_million`.
     pub exact_hits: u64,
     /// Pairs that exactly miss; the base of `false_hit_per_million`.
     pub exact_misses: u64,
@@ -24,52 +25,54 @@ pub struct AccuracyRow {
     pub false_miss_per_million: f64,
     /// Misses reported as hits, per million misses.
     pub false_hit_per_million: f64,
-    /// Rays that exactly hit a mesh on an edge or a vertex, and are reported to hit nothing of it.
+    /// Rays that exactly hit a boundary (an edge or a vertex, for example) and are reported to hit nothing.
     pub boundary_none: u64,
-    /// The same, reported once.
+    /// Rays that exactly hit a boundary and are reported to hit once.
     pub boundary_one: u64,
-    /// The same, reported more than once.
+    /// Rays that exactly hit a boundary and are reported to hit more than once.
     pub boundary_many: u64,
     /// Rays that exactly hit the mesh, edges included; the base of `leak_per_million`. Zero where there is no mesh.
     pub mesh_hits: u64,
-    /// Of those, reported to hit nothing, per million.
+    /// Rays that exactly hit the mesh and are reported to hit nothing, per million.
     pub leak_per_million: f64,
-    /// Rays that exactly hit one triangle strictly inside and no other; the base of `double_per_million`.
+    /// Rays that exactly hit one triangle, strictly inside, and no other; the base of `double_per_million`.
     pub single_hits: u64,
-    /// Of those, reported to hit two or more, per million.
-    pub double_per_million: f64,
-    /// Pairs that hit both exactly and as reported, save those whose `t` is clipped to the start of the ray's interval and
-    /// so exact; the base of the errors below.
+    /// Rays that exactly hit one triangle, strictly inside, and no other, but are reported to hit two or more, per
+    /// million.
+    #[serde(rename = "double_per_million")]
+    pub double_hit_per_million: f64,
+    /// Pairs that hit both exactly and as reported; the base of the errors below. Pairs whose `t` is clipped to the
+    /// start of the ray's interval are left out: their `t` is exact.
     pub agreed_hits: u64,
-    /// Distance of `t` from the correctly rounded one, in representable numbers: median.
+    /// Distance of `t` from the correctly rounded value, in representable numbers: median.
     pub t_ulp_p50: u64,
-    /// 99th percentile.
+    /// Distance of `t` from the correctly rounded value, in representable numbers: 99th percentile.
     pub t_ulp_p99: u64,
-    /// Greatest.
+    /// Distance of `t` from the correctly rounded value, in representable numbers: maximum.
     pub t_ulp_max: u64,
     /// Hits whose `t` is off by more than 1 %, per million agreed hits.
     pub gross_per_million: f64,
-    /// Absolute error of `u` and `v` (for a box: of the exit distance): 99th percentile.
+    /// Absolute error of `u` and `v`, or of a box's exit distance: 99th percentile.
     pub uv_error_p99: f64,
-    /// Greatest.
+    /// Absolute error of `u` and `v`, or of a box's exit distance: maximum.
     pub uv_error_max: f64,
 }
 
-/// A workload that gets harder step by step.
+/// A regime: a workload that gets harder step by step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RegimeRow {
-    /// The kernels that it is for: of a family, `triangle`, or instances, `instance of triangle`.
+    /// The kernels that it is for: a family, such as `triangle`, or instances of one, such as `instance of triangle`.
     pub family: String,
-    /// Name, unique within the family: `grazing`.
+    /// Name, unique within the family, such as `grazing`.
     pub name: String,
-    /// What the rays are and what to look for, in one sentence.
+    /// What the rays are, and what to look for.
     pub about: String,
-    /// What the severities measure, with its unit, as the title of an axis.
+    /// What a severity measures, with its unit: the title of an axis.
     pub axis: String,
-    /// The severities, from easy to hard. They are positive, but for a zero that may come last.
+    /// The severities, from easy to hard. All are positive, except that the last one may be zero.
     pub steps: Vec<f64>,
-    /// Whether its rays are aimed at meshes, in which they can leak.
+    /// Whether the rays are aimed at meshes, where they can leak.
     pub mesh: bool,
 }
 
@@ -79,18 +82,19 @@ pub struct RegimeRow {
 pub struct MapRow {
     /// The kernels that it is for, as in [`RegimeRow::family`].
     pub family: String,
-    /// Name, unique within the family: `offset-aspect`.
+    /// Name, unique within the family, such as `offset-aspect`.
     pub name: String,
     /// Title of the horizontal axis, with its unit.
     pub x_axis: String,
-    /// Severities along it, from left to right: positive, in equal ratios.
+    /// Severities along the horizontal axis, from left to right: positive, in equal ratios.
     pub x: Vec<f64>,
     /// Title of the vertical axis, with its unit.
     pub y_axis: String,
-    /// Severities along it, from the bottom up: positive, in equal ratios.
+    /// Severities along the vertical axis, from the bottom up: positive, in equal ratios.
     pub y: Vec<f64>,
-    /// Rays of each cell that exactly hit strictly inside, in the order of [`MapCells::t_ulp_p99`]. They are as many in
-    /// every cell, or fewer where hardly any ray hits: a thin shape may have no inside left once it is rounded.
+    /// For each cell, the rays that exactly hit, strictly inside. The order is that of [`MapCells::t_ulp_p99`]. The
+    /// number is the same in every cell, or smaller where few rays hit: a thin shape may have no inside left once it is
+    /// rounded.
     pub hits: Vec<u64>,
 }
 
@@ -102,12 +106,13 @@ pub struct MapCells {
     pub id: String,
     /// Name of the map.
     pub map: String,
-    /// Row by row from the bottom up, in each from left to right: the error of `t`, in ulp, that 99 % of the rays do not
-    /// exceed, a miss counting as an infinite error. `null` where more than 1 % of the rays miss, or where there are none.
+    /// Error of `t` in ulp for each cell: 99 % of the rays have at most this error. A miss counts as an infinite error.
+    /// Cells are listed row by row from the bottom up, and from left to right within a row. `null` where more than 1 %
+    /// of the rays miss, or where no ray hits.
     pub t_ulp_p99: Vec<Option<u64>>,
 }
 
-/// Whether a kernel keeps, or would keep, a promise.
+/// How often a kernel violates a claim, whether it makes the claim or not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ClaimRow {
@@ -115,10 +120,10 @@ pub struct ClaimRow {
     pub id: String,
     /// Name of the claim.
     pub claim: String,
-    /// Whether the kernel makes it.
+    /// Whether the kernel makes the claim.
     pub claimed: bool,
-    /// Rays (pairs of ray and box) that broke it.
+    /// Number of rays that violated it (for boxes: ray-box pairs).
     pub violations: u64,
-    /// Rays (pairs) that could have.
+    /// Number of rays or pairs that were checked.
     pub of: u64,
 }

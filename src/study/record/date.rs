@@ -1,8 +1,11 @@
-//! Days, as people write them.
+//! Dates of records: Unix time to `YYYY-MM-DD`.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// The UTC date of a Unix time, by Howard Hinnant's `civil_from_days`: years begin in March, so that leap days come last.
+/// The UTC date of a Unix time in seconds, as `YYYY-MM-DD`.
+///
+/// Follows `civil_from_days` (Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms"). Years begin in March
+/// there, so a leap day is the last day of its year.
 pub(crate) fn date(unix: u64) -> String {
     let days = unix / 86_400 + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);
@@ -25,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dates_are_civil() {
+    fn unix_times_become_calendar_dates() {
         assert_eq!(date(0), "1970-01-01");
         assert_eq!(date(951_782_400), "2000-02-29");
         assert_eq!(date(1_800_000_000), "2027-01-15");

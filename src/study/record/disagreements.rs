@@ -1,34 +1,34 @@
-//! Where two tracers report something else for the same ray.
+//! Counts the rays on which two tracers report different hits.
 
 use serde::{Deserialize, Serialize};
 
 use crate::geom::Hit;
 
-/// Rays about which two tracers disagree.
+/// Numbers of rays on which two tracers disagree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Disagreements {
-    /// Only the first one reports a hit.
+    /// Only the first tracer reports a hit.
     pub only_first: usize,
-    /// Only the second one reports a hit.
+    /// Only the second tracer reports a hit.
     pub only_second: usize,
-    /// Both report a hit, of different primitives, at about the same `t`: most hit an edge that the two share, or one of
-    /// several copies of a triangle, and either answer is right.
+    /// Both report a hit on different primitives at about the same `t`. Most of these rays hit an edge that two
+    /// triangles share, or one of several copies of a triangle: both answers are right.
     pub ties: usize,
-    /// Both report a hit, of different primitives, at different `t`.
+    /// Both report a hit on different primitives at different `t`.
     pub other_primitive: usize,
 }
 
-/// Two `t` that differ by no more than this share of the greater one count as about the same.
+/// Two values of `t` are about the same if they differ by at most this share of the larger one.
 const TIE: f32 = 1.0 / 4096.0;
 
 impl Disagreements {
-    /// Compares the hits of the same rays. Of any-hit rays only whether there is one is compared.
+    /// Compares the hits of two tracers on the same rays. With `any_hit`, only hit or miss is compared.
     ///
     /// # Panics
-    /// If there are not as many of the one as of the other.
+    /// If the two slices differ in length.
     pub fn between(first: &[Hit<f32>], second: &[Hit<f32>], any_hit: bool) -> Self {
-        assert_eq!(first.len(), second.len(), "hits of the same rays");
+        assert_eq!(first.len(), second.len(), "both tracers must report one hit per ray");
         let mut found = Self::default();
         for (a, b) in first.iter().zip(second) {
             match (a.mask, b.mask) {
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_is_counted_by_itself() {
+    fn each_kind_of_disagreement_is_counted_separately() {
         let first = [hit(1, 2.0), hit(1, 2.0), Hit::MISS, hit(1, 2.0), hit(1, 2.0), Hit::MISS, hit(1, 0.0)];
         let second = [hit(1, 2.5), Hit::MISS, hit(1, 2.0), hit(2, 2.0001), hit(2, 2.001), Hit::MISS, hit(3, 0.0)];
         let expected = Disagreements { only_first: 1, only_second: 1, ties: 2, other_primitive: 1 };

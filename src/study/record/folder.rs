@@ -1,4 +1,4 @@
-//! The folders that records are written to.
+//! The folders that records are written to, and the name of a dated one.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -8,26 +8,28 @@ use super::date::{date, seconds_since_1970};
 use crate::files::try_folder;
 use crate::tracer::Error;
 
-/// Makes a folder to write into, if it is not there.
+/// Makes a folder and its parents if they do not exist.
 ///
 /// # Errors
-/// If it cannot be made.
+/// If the folder cannot be made.
 pub fn make_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(Error::creating(folder))
 }
 
-/// Whether [`write`](fn@crate::study::write) could write into a folder, as far as that can be told before. Nothing is left behind.
+/// Checks whether a record could be written into a folder, so that a long study does not fail at its end. Leaves
+/// nothing behind.
 ///
 /// # Errors
-/// If it cannot be made or written.
+/// If the folder cannot be made or written to.
 pub fn try_write(folder: &Path) -> Result<(), Error> {
     try_folder(folder)
 }
 
-/// The folder of a new record: `reports/<date>-<name>` below the current one, with today's date in UTC.
+/// The folder of a new record: `reports/<date>-<name>` in the current folder, with today's date in UTC. The folder is
+/// not made yet.
 ///
 /// # Errors
-/// If it exists, since records are never edited, or if it could not be written.
+/// If it exists, because records are never edited, or if it could not be written to.
 pub fn new_record(name: &str) -> Result<PathBuf, Error> {
     let folder = Path::new("reports").join(format!("{}-{name}", date(seconds_since_1970(SystemTime::now()))));
     match folder.symlink_metadata() {

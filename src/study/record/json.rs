@@ -1,13 +1,13 @@
-//! JSON with one line for each row of a list, so that a record of thousands of rows stays short and its changes can be
-//! read line by line.
+//! Writes JSON with one line per row of a list. A record of thousands of rows stays short, and a diff shows changed
+//! rows.
 
 use std::io::{self, Write};
 
 use serde::Serialize;
 use serde_json::ser::{Formatter, Serializer};
 
-/// An object as JSON: one line for each field, and for each element where the field is a list; all below stays on the
-/// line. Fields come in the order of their declaration.
+/// An object as JSON, with a final newline. Each field is on a line of its own. If a field is a list, so is each of its
+/// elements. Anything nested deeper stays on that line. Fields keep the order of their declaration.
 pub(crate) fn one_row_per_line(value: &impl Serialize) -> serde_json::Result<Vec<u8>> {
     let mut json = Vec::new();
     value.serialize(&mut Serializer::with_formatter(&mut json, RowPerLine::default()))?;
@@ -17,9 +17,9 @@ pub(crate) fn one_row_per_line(value: &impl Serialize) -> serde_json::Result<Vec
 
 #[derive(Default)]
 struct RowPerLine {
-    /// For each list or object around the current place, whether its elements stand on lines of their own.
+    /// For each enclosing list or object, from the outermost in: whether each of its elements is on its own line.
     open: Vec<bool>,
-    /// Whether the list or object that is about to end has any.
+    /// Whether the list or object that ends next has any elements.
     filled: bool,
 }
 
@@ -103,12 +103,12 @@ mod tests {
     use crate::study::tests::fixture::{all_ids, record_of};
 
     #[test]
-    fn a_record_survives_with_one_row_per_line() {
+    fn a_record_is_written_with_one_row_per_line_and_reads_back_equal() {
         let mut record = record_of(&all_ids());
         record.peers.clear();
         let text = String::from_utf8(one_row_per_line(&record).unwrap()).unwrap();
         assert!(serde_json::from_str::<Record>(&text).unwrap() == record);
-        assert!(text.contains("\n  \"peers\": []\n}\n"), "an empty list stays on its line");
+        assert!(text.contains("\n  \"peers\": []\n}\n"), "an empty list stays on one line");
         for row in &record.accuracy {
             let start = format!("\n    {{\"id\": \"{}\", \"workload\": \"{}\", ", row.id, row.workload);
             assert!(text.contains(&start), "{start}");

@@ -1,56 +1,60 @@
-//! Rows about kernels: what they are, and how fast they are.
+//! Rows about kernels: how they describe themselves, and how fast they are.
 
 use serde::{Deserialize, Serialize};
 
 use crate::kernels::Operations;
 
-/// One face of a kernel in one thread, at a glance.
+/// One width of a kernel in one thread: the most important figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct KernelRow {
     /// Kernel ID.
     pub id: String,
-    /// What is hit in the end: `aabb`, `triangle` or `quadric`.
+    /// The shape that is hit: `aabb`, `triangle` or `quadric`. For an instance, the shape inside it.
     pub shape: String,
     /// `1x1` (scalar), `8x1` (eight rays, one primitive) or `1x8` (one ray, eight primitives).
-    pub face: String,
+    #[serde(rename = "face")]
+    pub width: String,
     /// Tests at once: 1 or 8.
-    pub width: usize,
+    #[serde(rename = "width")]
+    pub lanes: usize,
     /// Nanoseconds per test of one ray against one primitive, median.
     pub ns_per_test: f64,
     /// Median absolute deviation of the samples.
     pub ns_per_test_mad: f64,
     /// `1e9 / ns_per_test`.
     pub tests_per_second: f64,
-    /// Bytes prepared per primitive.
+    /// Bytes that the kernel prepares per primitive.
     pub prepared_bytes: usize,
-    /// Nanoseconds per ray for its setup, in this width.
+    /// Nanoseconds per ray for the setup, at this number of tests at once.
     pub setup_ns: f64,
-    /// Strict hits reported as misses, per million strict hits, of generic rays.
+    /// Strict hits reported as misses, per million strict hits, on generic rays.
     pub false_miss_per_million: Option<f64>,
-    /// Misses reported as hits, per million misses, of generic rays.
+    /// Misses reported as hits, per million misses, on generic rays.
     pub false_hit_per_million: Option<f64>,
-    /// Rays that exactly hit a mesh and are reported to hit nothing of it, per million, where that is worst; `null` where
+    /// Rays that exactly hit a mesh and are reported to miss it, per million. The worst workload counts. `null` where
     /// there are no meshes.
     pub leak_per_million: Option<f64>,
-    /// Rays that exactly hit one triangle strictly inside and no other, reported to hit several, per million, where that is
-    /// worst; `null` where there are no meshes.
-    pub double_per_million: Option<f64>,
-    /// Error of `t` of generic rays, in ulp: median.
+    /// Rays that exactly hit one triangle, strictly inside, and no other, but are reported to hit several, per million.
+    /// The worst workload counts. `null` where there are no meshes.
+    #[serde(rename = "double_per_million")]
+    pub double_hit_per_million: Option<f64>,
+    /// Error of `t` on generic rays, in ulp: median.
     pub t_ulp_p50: Option<u64>,
-    /// 99th percentile.
+    /// Error of `t` on generic rays, in ulp: 99th percentile.
     pub t_ulp_p99: Option<u64>,
-    /// Greatest.
+    /// Error of `t` on generic rays, in ulp: maximum.
     pub t_ulp_max: Option<u64>,
-    /// What the kernel promises.
+    /// What the kernel claims.
     pub claims: Vec<String>,
-    /// Nanoseconds per test that the busiest class of its operations takes at least; `null` for `1x1`.
+    /// The limit: the least time in which the machine can do the kernel's busiest class of operations, in nanoseconds
+    /// per test. `null` for `1x1`.
     pub limit_ns: Option<f64>,
-    /// That class: `multiply`, `add`, `divide`, `load`, or `multiply and add` for all arithmetic together.
+    /// The busiest class: `multiply`, `add`, `divide`, `load`, or `multiply and add` for all arithmetic together.
     pub limit_by: Option<String>,
     /// `limit_ns / ns_per_test`.
     pub limit_share: Option<f64>,
-    /// Hash over the bits of every hit; the same for all faces.
+    /// Hash of the bits of every hit. It is the same for all widths of a kernel.
     pub checksum: String,
 }
 
@@ -58,7 +62,7 @@ pub struct KernelRow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MethodRow {
-    /// Its ID.
+    /// Kernel ID.
     pub id: String,
     /// Family of its shape: `aabb`, `triangle`, `quadric` or `instance`.
     pub family: String,
@@ -66,25 +70,25 @@ pub struct MethodRow {
     pub idea: String,
     /// Authors, title, year.
     pub source: String,
-    /// Operations of one test that is computed to its end.
+    /// Operations of one test, without early exits.
     pub operations: OperationCounts,
-    /// Bytes prepared per primitive.
+    /// Bytes that the kernel prepares per primitive.
     pub prepared_bytes: usize,
-    /// Bytes of per-ray setup, scalar.
+    /// Bytes of the per-ray setup, scalar.
     pub setup_bytes: usize,
     /// Nanoseconds per ray for the setup, scalar.
     pub setup_ns: f64,
     /// Nanoseconds per ray for the setup, in a packet of eight.
     pub setup_ns_packet: f64,
-    /// What it promises.
+    /// What the kernel claims.
     pub claims: Vec<String>,
 }
 
-/// Operations; selections, logic and conversions are not counted.
+/// Numbers of operations. Selections, logic and conversions are not counted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OperationCounts {
-    /// Multiplications, of `f32` and `f64` together, as in the next fields.
+    /// Multiplications, `f32` and `f64` together. The next three fields also count both together.
     pub mul: u32,
     /// Additions and subtractions.
     pub add: u32,
@@ -92,9 +96,9 @@ pub struct OperationCounts {
     pub compare: u32,
     /// Divisions and square roots.
     pub div: u32,
-    /// Multiplications that are fused with an addition; both are counted above.
+    /// Fused multiply-adds. Each is also counted once in `mul` and once in `add`.
     pub fused: u32,
-    /// Numbers of the prepared primitive that are read.
+    /// Numbers read from the prepared primitive.
     pub reads: u32,
     /// Multiplications in `f64`.
     pub mul_f64: u32,
@@ -123,25 +127,26 @@ impl From<Operations> for OperationCounts {
     }
 }
 
-/// A kernel that this build has not.
+/// A kernel that this build does not contain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AbsentRow {
-    /// Its ID.
+    /// Kernel ID.
     pub id: String,
-    /// What it lacks.
+    /// What the build lacks.
     pub reason: String,
 }
 
-/// Throughput of one face of a kernel.
+/// Throughput of one width of a kernel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SpeedRow {
     /// Kernel ID.
     pub id: String,
     /// `1x1` (scalar), `8x1` (eight rays, one primitive) or `1x8` (one ray, eight primitives).
-    pub face: String,
-    /// Threads that ran it at once.
+    #[serde(rename = "face")]
+    pub width: String,
+    /// Number of threads that ran it at the same time.
     pub threads: usize,
     /// Wall nanoseconds per test of one ray against one primitive, all threads together: median of the samples.
     pub ns_per_test: f64,
@@ -151,18 +156,18 @@ pub struct SpeedRow {
     pub tests_per_second: f64,
     /// Number of samples.
     pub samples: usize,
-    /// Share of the tests, taken 1 or 8 at once, in which anything was hit.
+    /// Share of the calls (1 or 8 tests each) in which anything was hit.
     pub hit_share: f64,
-    /// Hash over the bits of every hit; equal for all faces and thread counts, or the study fails.
+    /// Hash of the bits of every hit. It is equal for all widths and thread counts, else the study fails.
     pub checksum: String,
 }
 
-/// What an operation on eight lanes takes where it waits for no other, in one thread.
+/// Measured throughput of one eight-lane operation in one thread, where no operation waits for another.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RateRow {
-    /// `multiply`, `add` (additions and maxima in turn), `fused`, `divide`, `multiply and add` (in turn, two operations) or
-    /// `load`.
+    /// `multiply`, `add` (alternating additions and maxima), `fused`, `divide`, `multiply and add` (alternating,
+    /// counted as two operations) or `load`.
     pub operation: String,
     /// `f32` or `f64`.
     pub precision: String,

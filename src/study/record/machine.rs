@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Machine {
     /// Processor model.
     pub cpu: String,
-    /// Logical processors that the program could use.
+    /// Number of logical processors that the program could use.
     pub processors: usize,
     /// Operating system.
     pub os: String,
@@ -18,6 +18,6 @@ pub struct Machine {
     pub target_features: Vec<String>,
     /// Compiler version.
     pub rustc: String,
-    /// Versions of this crate and of those whose code is measured, as `name version`.
+    /// Versions of this crate and of the crates whose code is measured, as `name version`.
     pub versions: Vec<String>,
 }

@@ -1,8 +1,8 @@
-//! What a study writes: `results.json`, field by field, and `peers.json`.
+//! The record: every row that a study writes to `results.json`, and that a comparison writes to `peers.json`.
 //!
-//! Rows are plain data that imports nothing of the study: measurements fill them, and figures, tables, charts and the
-//! report read them. Other programs read the files too. `reports/FIELDS.md` is made of the comments in this folder:
-//! after a change, `RAYLANES_BLESS=1 cargo test --lib fields` rewrites it.
+//! Rows are plain data and import nothing else of the study. Measurements fill them; figures, tables, charts and the
+//! report read them. Other programs may read the files too, so `reports/FIELDS.md` lists every field. It is generated
+//! from the comments in this folder: after a change, run `RAYLANES_BLESS=1 cargo test --lib fields`.
 
 mod accuracy;
 mod date;

@@ -1,4 +1,4 @@
-//! `results.json` as a whole. Tables, charts and the report are generated from it alone.
+//! The root of `results.json`: one field for each list of rows.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use super::machine::Machine;
 use super::peers::PeerRow;
 use super::tracer::{CoherenceRow, ScalingRow, TracerRow};
 
-/// Version of the layout below; raised when a field changes its meaning or goes away, not when one is added.
+/// Version of the layout. It rises when a field is removed or changes its meaning, not when one is added.
 pub const SCHEMA: u32 = 4;
 
 /// One study.
@@ -17,44 +17,45 @@ pub const SCHEMA: u32 = 4;
 pub struct Record {
     /// Version of this layout: [`SCHEMA`].
     pub schema: u32,
-    /// When the study began, in seconds since 1970-01-01 UTC.
+    /// Start of the study, in seconds since 1970-01-01 UTC.
     pub started_unix: u64,
-    /// How long it took, in seconds.
+    /// Duration of the study in seconds.
     pub seconds: f64,
-    /// Whether it was run with `--quick`: fewer rays and samples.
+    /// Whether the study ran with `--quick`: fewer rays and samples.
     pub quick: bool,
-    /// What all random inputs derive from.
+    /// The seed of all random inputs.
     pub seed: u64,
-    /// Where it ran, and how it was built.
+    /// The machine and the build.
     pub machine: Machine,
-    /// Kernel × face, in one thread: the figures that matter most, all of which follow from the lists below.
+    /// Kernel × width, one thread: the most important figures. All of them follow from the lists below.
     pub kernels: Vec<KernelRow>,
     /// Every registered kernel, as it describes itself.
     pub methods: Vec<MethodRow>,
-    /// Kernels that exist, but not in this build.
+    /// Kernels that this build does not contain.
     pub absent: Vec<AbsentRow>,
-    /// Kernel × face × threads: throughput.
+    /// Kernel × width × threads: throughput.
     pub speed: Vec<SpeedRow>,
-    /// What operations on eight lanes take at least.
+    /// Measured throughput of eight-lane operations.
     pub rates: Vec<RateRow>,
-    /// The regimes: what is made harder, and in which steps.
+    /// The regimes: workloads that get harder step by step.
     pub regimes: Vec<RegimeRow>,
-    /// Kernel × workload, and kernel × regime × severity: errors against the oracle. Both twins give the same bits, so
-    /// there is one row for both.
+    /// Kernel × workload, and kernel × regime × severity: errors against the oracle. Both twins of a kernel give the
+    /// same bits, so one row describes both.
     pub accuracy: Vec<AccuracyRow>,
-    /// Kernel × claim of its family: whether it was seen to be broken.
+    /// Kernel × claim of its family: how often the claim was violated.
     pub claims: Vec<ClaimRow>,
-    /// The failure maps: two severities at once.
+    /// The failure maps: workloads with two severities.
     pub maps: Vec<MapRow>,
-    /// Kernel × map: the errors.
+    /// Kernel × failure map: errors.
     pub map_cells: Vec<MapCells>,
-    /// Scene × rays × mode × threads.
+    /// Scene × rays × mode × threads: throughput of the tracer.
     pub tracer: Vec<TracerRow>,
-    /// Scene × jitter × mode: the tracer on rays that have ever less in common.
+    /// Scene × jitter × mode: the tracer on less and less coherent rays.
     pub coherence: Vec<CoherenceRow>,
-    /// Scene × rays: the tracer on ever more triangles.
+    /// Scene × rays: the tracer on more and more triangles.
     pub scaling: Vec<ScalingRow>,
-    /// Scene × rays × configuration of a tracer, ours or a peer, × threads; empty unless peers were asked for.
+    /// Scene × rays × tracer configuration × threads, for this crate and its peers. Empty unless the study ran with
+    /// `--peers`.
     #[serde(default)]
     pub peers: Vec<PeerRow>,
 }

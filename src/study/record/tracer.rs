@@ -8,42 +8,41 @@ use serde::{Deserialize, Serialize};
 pub struct TracerRow {
     /// Scene name.
     pub scene: String,
-    /// Triangles and quadrics in it, each counted once whatever its number of instances.
+    /// Number of triangles and quadrics. Each counts once, however many instances it has.
     pub triangles: usize,
-    /// Instances of them.
+    /// Number of instances.
     pub instances: usize,
     /// `primary`, `shadow`, `bounce` or `ambient occlusion`, as made by [`ray_sets`](crate::study::ray_sets::ray_sets).
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
-    /// Rays that hit.
+    /// Number of rays that hit.
     pub hits: usize,
     /// `scalar`, `single`, `packet` or `auto`.
     pub mode: String,
     /// Kernel ID.
     pub kernel: String,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
     /// Million rays per second: median of the samples.
     pub mrays_per_second: f64,
     /// Median absolute deviation of the samples.
     pub mrays_per_second_mad: f64,
-    /// Seconds to build the scene's BVH, all threads.
+    /// Seconds to build the scene's BVH, on all threads.
     pub build_seconds: f64,
-    /// Meshes, instances, prepared primitives and nodes, by [`TracerRow::triangles`].
+    /// Bytes of meshes, instances, prepared primitives and nodes, divided by [`TracerRow::triangles`].
     pub bytes_per_triangle: f64,
-    /// Hash over the bits of every hit; equal for all modes and thread counts, or the study fails.
+    /// Hash of the bits of every hit. It is equal for all modes and thread counts, else the study fails.
     pub checksum: String,
 }
 
-/// Throughput of the tracer on rays of a picture that were turned at random, closest hit, one thread; and what it took, in
-/// a run that was not timed.
+/// Throughput of the tracer on the rays of a picture, each turned at random. Closest hit, one thread.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CoherenceRow {
     /// Scene name.
     pub scene: String,
-    /// How far rays were turned: from 0, those of the picture, to 1, at random.
+    /// How far the rays were turned, from 0 (the rays of the picture) to 1 (random directions).
     pub jitter: f64,
     /// `scalar`, `single`, `packet` or `auto`.
     pub mode: String,
@@ -55,31 +54,32 @@ pub struct CoherenceRow {
     pub mrays_per_second: f64,
     /// Median absolute deviation of the samples.
     pub mrays_per_second_mad: f64,
-    /// Nodes visited, all rays together; a packet's visit counts once. Zero, like the next three, in modes that do not count.
+    /// Nodes visited by all rays together, counted in a run that is not timed. A packet's visit counts once. Zero in
+    /// modes that do not count, as in the next three fields.
     pub nodes: u64,
-    /// Leaves visited, likewise.
+    /// Leaves visited, counted in the same way.
     pub leaves: u64,
     /// Eight-wide triangle tests.
     pub tests: u64,
-    /// Lanes of these tests in which a ray that is still looking met a triangle; at most eight times as many.
+    /// Lanes of these tests in which an active ray met a triangle: at most eight per test.
     pub lanes: u64,
-    /// Hash over the bits of every hit; equal for all modes, or the study fails.
+    /// Hash of the bits of every hit. It is equal for all modes, else the study fails.
     pub checksum: String,
 }
 
-/// Cost of a ray in a scene that comes in several sizes, mode auto, one thread.
+/// Cost of a ray in a scene that exists in several sizes. Mode auto, one thread.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ScalingRow {
     /// Scene name.
     pub scene: String,
-    /// Triangles in it.
+    /// Number of triangles.
     pub triangles: usize,
-    /// As in [`TracerRow::rays`].
+    /// Set of rays, as in [`TracerRow::rays`].
     pub rays: String,
     /// Number of rays.
     pub ray_count: usize,
-    /// Rays that hit.
+    /// Number of rays that hit.
     pub hits: usize,
     /// Kernel ID.
     pub kernel: String,
@@ -87,10 +87,10 @@ pub struct ScalingRow {
     pub ns_per_ray: f64,
     /// Median absolute deviation of the samples.
     pub ns_per_ray_mad: f64,
-    /// Seconds to build the scene, all threads.
+    /// Seconds to build the scene, on all threads.
     pub build_seconds: f64,
-    /// Mesh, prepared triangles and nodes.
+    /// Bytes of mesh, prepared triangles and nodes, per triangle.
     pub bytes_per_triangle: f64,
-    /// Hash over the bits of every hit.
+    /// Hash of the bits of every hit.
     pub checksum: String,
 }

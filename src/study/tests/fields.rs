@@ -1,4 +1,6 @@
-//! `reports/FIELDS.md`: every field of the files that others may read, from the comments of [`record`](crate::study::record).
+//! Generates `reports/FIELDS.md`, which lists every field of `results.json` and `peers.json`, from the comments in
+//! [`record`](crate::study::record). The tests fail if the page is out of date, or if a written record has other
+//! fields.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -10,36 +12,37 @@ use serde_json::{Map, Value};
 use super::fixture::{all_ids, record_of};
 use crate::study::record::{PeersRecord, Record, SCHEMA};
 
-const HOW_TO_BLESS: &str = "if this is meant: RAYLANES_BLESS=1 cargo test --lib fields";
+const HOW_TO_BLESS: &str = "to accept the change, run RAYLANES_BLESS=1 cargo test --lib fields";
 
-/// What comes before the tables.
+/// The text before the tables.
 fn introduction() -> String {
     format!(
         "\
 # Fields of `results.json` and `peers.json`
 
-Other programs may read these files, and rely on this:
+Other programs may read these files. They can rely on this:
 
-- `schema` is the version of the layout, now {SCHEMA}. It rises when a field changes its meaning or goes away. Fields may be added at
-  any time without that, so ignore those that you do not know. Records are never edited: an old one keeps its old layout.
-- A list holds one object for each row. Rows refer to each other by text: `id` is always a kernel's, as in `methods`.
-- A figure that does not exist is `null`, where its type says so. A rate is zero where the count that is its base is, so look at
-  that first.
-- Times are in seconds or nanoseconds, sizes in bytes, as the names say; rates are per second, per million, or in million rays per
-  second (`mrays`). `_mad` is a median absolute deviation, `_p50` and `_p99` are percentiles.
-- Checksums are texts of 16 hexadecimal digits. Other whole numbers, `seed` for one, have up to 64 bits.
+- `schema` is the version of the layout, now {SCHEMA}. It rises when a field is removed or changes its meaning. New
+  fields may appear without a new version, so ignore fields that you do not know. Records are never edited: an old
+  record keeps its old layout.
+- A list holds one object for each row. Rows refer to each other by text. `id` is always the ID of a kernel, as in
+  `methods`.
+- A missing figure is `null`, if its type allows that. A rate is also zero if its base is zero, so check the base first.
+- Names give the units: seconds or nanoseconds, bytes, per second, per million, million rays per second (`mrays`).
+  `_mad` is a median absolute deviation, `_p50` and `_p99` are percentiles.
+- A checksum is a text of 16 hexadecimal digits. Other whole numbers, such as `seed`, have up to 64 bits.
 
-Both files have one line for each row, in UTF-8. This page is made of the comments in
+Both files are UTF-8, with one line for each row. This page is generated from the comments in
 [`src/study/record`](../src/study/record).
 "
     )
 }
 
-/// The objects of a file, the file itself first, each with the field that holds it.
+/// The types of the objects in a file.
 struct File {
     /// Name of the file.
     name: &'static str,
-    /// Name of a field, and the type of what it holds.
+    /// The name of a field, and the type of the objects in it. The file itself comes first.
     objects: Vec<(String, String)>,
     types: Map<String, Value>,
 }
@@ -47,7 +50,7 @@ struct File {
 impl File {
     fn of<T: JsonSchema>(name: &'static str) -> Self {
         let root: Value = SchemaGenerator::default().into_root_schema_for::<T>().into();
-        let mut types = root["$defs"].as_object().expect("there are rows").clone();
+        let mut types = root["$defs"].as_object().expect("the schema has types for the rows").clone();
         let of_file = T::schema_name().into_owned();
         types.insert(of_file.clone(), root);
         let mut objects = vec![(name.to_owned(), of_file)];
@@ -70,11 +73,11 @@ impl File {
         self.objects.iter().find(|(_, other)| other == of_object).map(|(field, _)| field.as_str())
     }
 
-    /// Headings and tables, but for types that `told` has already; adds the others to it.
-    fn markdown(&self, told: &mut BTreeSet<String>) -> String {
+    /// Headings and tables of all types that are not in `documented` yet. Adds these types to it.
+    fn markdown(&self, documented: &mut BTreeSet<String>) -> String {
         let mut text = String::new();
         for (field, of_object) in &self.objects {
-            if !told.insert(of_object.clone()) {
+            if !documented.insert(of_object.clone()) {
                 continue;
             }
             let about = self.words(&self.types[of_object]);
@@ -88,11 +91,11 @@ impl File {
         text
     }
 
-    /// A type in plain words, of one or of many.
+    /// A type in plain words, in the singular or, with `many`, in the plural.
     fn type_of(&self, value: &Value, many: bool) -> String {
         let plural = |one: &str| if many { format!("{one}s") } else { one.to_owned() };
         if let Some(of_object) = referred(value) {
-            let field = self.holder(&of_object).expect("objects are held");
+            let field = self.holder(&of_object).expect("every type has a field that holds it");
             return format!("[{}](#{field})", plural("object"));
         }
         let one = |name: &str| match name {
@@ -105,18 +108,20 @@ impl File {
                 let count = value["minItems"].as_u64().map_or(String::new(), |count| format!("{count} "));
                 format!("list of {count}{}", self.type_of(&value["items"], true))
             }
-            other => panic!("how is {other} told?"),
+            other => panic!("no words for the type {other}"),
         };
         match &value["type"] {
             Value::String(name) => one(name),
-            Value::Array(names) => {
-                names.iter().map(|name| one(name.as_str().expect("a name"))).collect::<Vec<_>>().join(" or ")
-            }
-            _ => panic!("what is {value}?"),
+            Value::Array(names) => names
+                .iter()
+                .map(|name| one(name.as_str().expect("type names are strings")))
+                .collect::<Vec<_>>()
+                .join(" or "),
+            _ => panic!("no type in {value}"),
         }
     }
 
-    /// The comment on one line. Links, which lead to code, become what they are called in the file.
+    /// The comment of a field or type, on one line. Links to code become the names that the file uses.
     fn words(&self, value: &Value) -> String {
         let comment = value["description"].as_str().unwrap_or_default();
         let mut comment = comment.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -127,21 +132,21 @@ impl File {
                 Some((_, after)) => after,
                 None => after,
             };
-            let told = match name.split_once("::").map(|(of_object, field)| (self.holder(of_object), field)) {
+            let name_in_file = match name.split_once("::").map(|(of_object, field)| (self.holder(of_object), field)) {
                 Some((Some(holder), field)) => format!("`{field}` of `{holder}`"),
                 Some((None, _)) => panic!("{name} is not in {}", self.name),
                 None => format!("`{name}`"),
             };
-            comment = format!("{before}{told}{after}");
+            comment = format!("{before}{name_in_file}{after}");
         }
         comment.replace('|', "\\|")
     }
 
-    /// Where a value is not as told: fields without a comment, fields that are missing, other types.
-    fn faults(&self, value: &Value, told: &Value, path: &str) -> Vec<String> {
-        let told = match referred(told) {
+    /// Where a value does not match its documentation: unknown fields, missing fields, other types.
+    fn mismatches(&self, value: &Value, documented: &Value, path: &str) -> Vec<String> {
+        let documented = match referred(documented) {
             Some(of_object) => &self.types[&of_object],
-            None => told,
+            None => documented,
         };
         let name = match value {
             Value::Null => "null",
@@ -152,20 +157,22 @@ impl File {
             Value::Array(_) => "array",
             Value::Object(_) => "object",
         };
-        let names = match &told["type"] {
+        let names = match &documented["type"] {
             Value::Array(names) => names.clone(),
             name => vec![name.clone()],
         };
-        if !names.iter().any(|told| told == name) {
+        if !names.iter().any(|documented| documented == name) {
             return vec![format!("{path} is {name}")];
         }
         match value {
-            Value::Array(items) => items.iter().flat_map(|item| self.faults(item, &told["items"], path)).collect(),
+            Value::Array(items) => {
+                items.iter().flat_map(|item| self.mismatches(item, &documented["items"], path)).collect()
+            }
             Value::Object(fields) => {
-                let properties = properties(told);
+                let properties = properties(documented);
                 let of_field = |(field, value): (&String, &Value)| match properties.get(field) {
-                    Some(told) => self.faults(value, told, &format!("{path}.{field}")),
-                    None => vec![format!("{path}.{field} is not told")],
+                    Some(documented) => self.mismatches(value, documented, &format!("{path}.{field}")),
+                    None => vec![format!("{path}.{field} is not documented")],
                 };
                 let missing = properties.keys().filter(|field| !fields.contains_key(*field));
                 let missing = missing.map(|field| format!("{path}.{field} is missing"));
@@ -177,10 +184,10 @@ impl File {
 }
 
 fn properties(of_object: &Value) -> &Map<String, Value> {
-    of_object["properties"].as_object().expect("objects have fields")
+    of_object["properties"].as_object().expect("an object has fields")
 }
 
-/// The type that a field refers to.
+/// The name of the type that a schema refers to.
 fn referred(value: &Value) -> Option<String> {
     Some(value["$ref"].as_str()?.trim_start_matches("#/$defs/").to_owned())
 }
@@ -190,9 +197,9 @@ fn files() -> [File; 2] {
 }
 
 #[test]
-fn fields_are_told_as_they_are() {
-    let mut told = BTreeSet::new();
-    let tables = files().map(|file| file.markdown(&mut told)).concat();
+fn the_page_of_fields_is_up_to_date() {
+    let mut documented = BTreeSet::new();
+    let tables = files().map(|file| file.markdown(&mut documented)).concat();
     let expected = introduction() + &tables;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/FIELDS.md");
     if std::env::var_os("RAYLANES_BLESS").is_some_and(|value| value == "1") {
@@ -202,21 +209,21 @@ fn fields_are_told_as_they_are() {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     let differs =
         expected.lines().zip(text.lines().chain(std::iter::repeat(""))).find(|(expected, line)| expected != line);
-    assert!(text == expected, "reports/FIELDS.md is old: {differs:?}; {HOW_TO_BLESS}");
+    assert!(text == expected, "reports/FIELDS.md is out of date: {differs:?}; {HOW_TO_BLESS}");
 }
 
 #[test]
-fn what_is_written_is_told() {
+fn a_written_record_has_the_documented_fields() {
     let [file, _] = files();
     let mut record = serde_json::to_value(record_of(&all_ids())).unwrap();
-    let faults = |record: &Value| file.faults(record, &file.types["Record"], "");
-    assert_eq!(faults(&record), [""; 0]);
+    let mismatches = |record: &Value| file.mismatches(record, &file.types["Record"], "");
+    assert_eq!(mismatches(&record), [""; 0]);
     for list in ["kernels", "speed", "accuracy", "tracer", "coherence", "scaling", "peers"] {
-        assert!(record[list][0].is_object(), "{list} is empty, and so not seen");
+        assert!(record[list][0].is_object(), "{list} is empty, so its fields are not checked");
     }
     record["tracer"][0]["new"] = 1.into();
     record["machine"]["cpu"] = Value::Null;
     record["peers"][0]["disagreements"].as_object_mut().unwrap().remove("ties");
-    let expected = [".machine.cpu is null", ".tracer.new is not told", ".peers.disagreements.ties is missing"];
-    assert_eq!(faults(&record), expected);
+    let expected = [".machine.cpu is null", ".tracer.new is not documented", ".peers.disagreements.ties is missing"];
+    assert_eq!(mismatches(&record), expected);
 }

@@ -1,4 +1,5 @@
-//! Made-up records for the tests of tables, charts and report: plausible figures, with zeros, gaps and missing cells.
+//! Made-up records for the tests of tables, charts and report. Their figures are plausible, with zeros, gaps and
+//! missing cells.
 
 use crate::study::figures::summary;
 use crate::study::measure::stats::{mad, median};
@@ -33,7 +34,7 @@ const METHODS: [(&str, &str); 7] = [
     ("f64", "quadric/stable"),
 ];
 
-/// The kernels of a full registry.
+/// The IDs of a full registry.
 pub(crate) fn all_ids() -> Vec<String> {
     let bases = || {
         let triangles = TRIANGLES.iter().map(|name| format!("triangle/{name}"));
@@ -45,7 +46,7 @@ pub(crate) fn all_ids() -> Vec<String> {
     bases().chain(instances).chain(methods).collect()
 }
 
-/// A record of the given kernels with plausible figures, differing from kernel to kernel.
+/// A record of the given kernels, with plausible figures that differ from kernel to kernel.
 pub(crate) fn record_of(ids: &[String]) -> Record {
     let mut record = Record {
         schema: SCHEMA,
@@ -112,7 +113,7 @@ fn rates() -> Vec<RateRow> {
     rows.map(row).into()
 }
 
-/// Two scenes, in which packets gain much, less, and nothing.
+/// Two scenes with sets of rays where packets gain much, little, and nothing.
 fn tracer_rows() -> Vec<TracerRow> {
     let mut rows = Vec::new();
     for (scene, triangles, instances, slowness) in [("spheres", 81_920, 3, 1.0), ("forest:10000", 214_000, 10_001, 2.5)]
@@ -144,16 +145,15 @@ fn tracer_rows() -> Vec<TracerRow> {
     rows
 }
 
-/// Packets are fast until their rays part, about where the jitter is 0.1, and then slower than single rays; scalar rays are
-/// not counted.
+/// Packets are fast until the jitter is about 0.1, and slower than single rays after that. Mode scalar counts nothing.
 fn coherence_rows(scene: &str) -> Vec<CoherenceRow> {
     let row = |(mode, jitter): (Mode, f64)| {
-        let parted = (jitter / 0.1).min(4.0);
-        let (mrays_per_second, nodes, tests, met) = match mode {
-            Mode::Scalar => (2.5 - 0.2 * parted, 0, 0, 0.0),
-            Mode::Single => (7.0 - 0.5 * parted, 12_000_000, 4_000_000, 0.6),
-            Mode::Packet => (20.0 / (1.0 + 2.0 * parted), 2_000_000, 8_000_000, 0.9 / (1.0 + parted)),
-            Mode::Auto => ((20.0 / (1.0 + 2.0 * parted)).max(6.8 - 0.5 * parted), 3_000_000, 7_000_000, 0.7),
+        let divergence = (jitter / 0.1).min(4.0);
+        let (mrays_per_second, nodes, tests, used) = match mode {
+            Mode::Scalar => (2.5 - 0.2 * divergence, 0, 0, 0.0),
+            Mode::Single => (7.0 - 0.5 * divergence, 12_000_000, 4_000_000, 0.6),
+            Mode::Packet => (20.0 / (1.0 + 2.0 * divergence), 2_000_000, 8_000_000, 0.9 / (1.0 + divergence)),
+            Mode::Auto => ((20.0 / (1.0 + 2.0 * divergence)).max(6.8 - 0.5 * divergence), 3_000_000, 7_000_000, 0.7),
         };
         CoherenceRow {
             scene: scene.into(),
@@ -166,7 +166,7 @@ fn coherence_rows(scene: &str) -> Vec<CoherenceRow> {
             nodes,
             leaves: nodes / 3,
             tests,
-            lanes: (8.0 * met * tests as f64) as u64,
+            lanes: (8.0 * used * tests as f64) as u64,
             checksum: format!("{:x}", jitter.to_bits()),
         }
     };
@@ -197,7 +197,7 @@ fn scaling_rows() -> Vec<ScalingRow> {
     cells.map(row).collect()
 }
 
-/// A configuration of a tracer, with the throughput of its rounds.
+/// A row of one tracer configuration, with these million rays per second in its rounds.
 pub(crate) fn peer_row(tracer: &str, configuration: &str, threads: usize, mrays: &[f64]) -> PeerRow {
     PeerRow {
         scene: "spheres".into(),
@@ -219,7 +219,8 @@ pub(crate) fn peer_row(tracer: &str, configuration: &str, threads: usize, mrays:
     }
 }
 
-/// No rows but those of the kernels, regimes and maps; rows of zeros; and nothing at all.
+/// Degenerate records: one with only the rows of kernels, regimes and maps, one whose figures are zero, and an empty
+/// one.
 pub(crate) fn degenerate_records() -> [Record; 3] {
     let mut bare = record_of(&all_ids());
     bare.kernels.clear();
@@ -320,8 +321,8 @@ fn regimes() -> Vec<RegimeRow> {
         family: family.into(),
         name: name.into(),
         about: format!(
-            "Rays aimed into and closely past one primitive, ever harder by the {axis}: look for the step from which on \
-             a kernel is wrong."
+            "Rays aimed into and closely past one primitive, harder with each step of the {axis}. Look for the step \
+             from which a kernel is wrong."
         ),
         axis: axis.into(),
         steps,
@@ -376,18 +377,18 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
         claims: if i.is_multiple_of(2) { vec![claims_of(id)[0].into()] } else { Vec::new() },
     });
     let ns = 6.0 * (1.0 + 0.37 * (i % 7) as f64 + 0.05 * i as f64);
-    for (face, ns) in [("1x1", ns), ("8x1", ns / (5.1 + 0.3 * (i % 5) as f64)), ("1x8", ns / 5.2)] {
+    for (width, ns) in [("1x1", ns), ("8x1", ns / (5.1 + 0.3 * (i % 5) as f64)), ("1x8", ns / 5.2)] {
         for threads in [1, 2] {
             let ns_per_test = ns / (0.95 * threads as f64);
             record.speed.push(SpeedRow {
                 id: id.into(),
-                face: face.into(),
+                width: width.into(),
                 threads,
                 ns_per_test,
                 ns_per_test_mad: 0.012 * ns_per_test,
                 tests_per_second: 1e9 / ns_per_test,
                 samples: 15,
-                hit_share: if face == "1x1" { 0.11 } else { 0.57 },
+                hit_share: if width == "1x1" { 0.11 } else { 0.57 },
                 checksum: format!("{i:016x}"),
             });
         }
@@ -438,18 +439,18 @@ fn claims_of(id: &str) -> &'static [&'static str] {
     }
 }
 
-/// Errors that grow tenfold with each step from a step on that differs among kernels; every fourth kernel never errs.
-/// The scale fails at both ends.
+/// Errors that grow eightfold with each step, from a step on that differs between kernels. Every fourth kernel has
+/// none. The regime `scale` is hard at both ends.
 fn regime_row(regime: &RegimeRow, i: usize, id: &str, step: usize) -> AccuracyRow {
     let last = regime.steps.len() - 1;
     let hardness = if regime.name == "scale" { (2 * step).abs_diff(last) } else { step };
     let beyond = hardness as f64 - (1.5 + (i % 4) as f64 + 0.1 * i as f64);
     let rate = if i % 4 == 3 || beyond < 0.0 { 0.0 } else { (30.0 * 8f64.powf(beyond)).min(4e5) };
     let rays = 20_000;
-    // A whole number of events.
+    // The rate must correspond to a whole number of events.
     let rate = (rate * rays as f64 / 1e6).floor() / rays as f64 * 1e6;
     let mesh = regime.mesh;
-    // Where all is lost, there is no error of t.
+    // If all rays are lost, there is no error of t.
     let agreed_hits = if i % 4 == 2 && step == last { 0 } else { 9_000 };
     AccuracyRow {
         rays,
@@ -463,14 +464,14 @@ fn regime_row(regime: &RegimeRow, i: usize, id: &str, step: usize) -> AccuracyRo
         mesh_hits: if mesh { rays } else { 0 },
         leak_per_million: if mesh && i != 1 { rate / 7.0 } else { 0.0 },
         single_hits: if mesh { rays / 2 } else { 0 },
-        double_per_million: if mesh && i % 3 == 1 { rate / 9.0 } else { 0.0 },
+        double_hit_per_million: if mesh && i % 3 == 1 { rate / 9.0 } else { 0.0 },
         agreed_hits,
         t_ulp_p99: if agreed_hits == 0 || i == 8 { 0 } else { (2.0 * 9f64.powf(beyond.max(0.0))) as u64 },
         ..zero_row(id, &regime.name, Some(regime.steps[step]))
     }
 }
 
-/// Errors that grow along both axes, as fast as suits the kernel, up to misses.
+/// Errors that grow along both axes until rays miss, at a speed that depends on the kernel.
 fn map_cells(map: &MapRow, i: usize, id: &str) -> MapCells {
     let cell = |(x, y): (f64, f64)| {
         let power = x.log10() * (0.3 + 0.12 * (i % 5) as f64) + y.log10() * (0.2 + 0.15 * (i % 4) as f64);
@@ -480,7 +481,7 @@ fn map_cells(map: &MapRow, i: usize, id: &str) -> MapCells {
     MapCells { id: id.into(), map: map.name.clone(), t_ulp_p99: cells.map(cell).collect() }
 }
 
-/// A row without a single ray.
+/// A row without any ray.
 fn zero_row(id: &str, workload: &str, severity: Option<f64>) -> AccuracyRow {
     AccuracyRow {
         id: id.into(),
@@ -498,7 +499,7 @@ fn zero_row(id: &str, workload: &str, severity: Option<f64>) -> AccuracyRow {
         mesh_hits: 0,
         leak_per_million: 0.0,
         single_hits: 0,
-        double_per_million: 0.0,
+        double_hit_per_million: 0.0,
         agreed_hits: 0,
         t_ulp_p50: 0,
         t_ulp_p99: 0,

@@ -1,4 +1,4 @@
-//! What only tests use: a made-up record, and tests of documents in the repository that are made from the code.
+//! Code for tests only: a made-up record, and tests of documents that are generated from the code.
 
 mod fields;
 pub(crate) mod fixture;

@@ -1,4 +1,4 @@
-//! The README's block about a dated record: its verdict, and which kernel to use of each family.
+//! Tests the README's block about a dated record: its verdict, and which kernel of each family to use.
 
 use std::fs;
 use std::path::Path;
@@ -9,38 +9,65 @@ use crate::study::present::report::advice_table;
 use crate::study::present::verdict::verdict_list;
 use crate::study::record::{Record, date};
 
-/// What the project's README says of a record: its verdict, and what to use of each family.
-fn of_readme(record: &Record, folder: &str) -> String {
+/// The README's block about a record: its verdict, and which kernel of each family to use. Lines have at most 120
+/// columns, except those of the table.
+fn readme_block(record: &Record, folder: &str) -> String {
     let mut groups = groups(record);
     groups.retain(Group::is_base);
     let verdict = verdict_list(&groups).unwrap_or_default();
-    format!(
-        "{verdict}\n\n{}\nTests of one ray against one primitive, in packets of eight (8x1), one thread; lost rays per million that \
-         exactly hit, where that is\nworst (`< b`: the 95 % bound where none was); ulp: 99th percentile of the error of `t`. Kernels \
-         tie where they differ by no more than\nthe noise. Measured on {}, {}: [the whole record]({folder}/report.md), \
-         and as a page `report.html` beside it.\n",
-        advice_table(&groups),
+    let verdict: Vec<_> = verdict.lines().map(|line| wrapped(line, "  ")).collect();
+    let legend = format!(
+        "Speeds are tests of one ray against one primitive in packets of eight (8x1), one thread. Lost rays are per \
+         million that exactly hit, in the worst workload; `0 (< b)`: none was lost, and b is the 95 % bound. ulp: 99th \
+         percentile of the error of `t`. Kernels tie if they differ by at most the noise. Measured on {}, on this \
+         processor: {}.",
         date(record.started_unix),
         record.machine.cpu
+    );
+    format!(
+        "{}\n\n{}\n{}\n[The whole record]({folder}/report.md) is also one page, `report.html`, in the same folder.\n",
+        verdict.join("\n"),
+        advice_table(&groups),
+        wrapped(&legend, "")
     )
 }
 
-/// To bring the README up to date: `RAYLANES_BLESS=1 cargo test --lib readme`.
+/// Breaks text between words into lines of at most 120 columns. All lines but the first start with `indent`.
+fn wrapped(text: &str, indent: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().expect("there is always a line");
+        if line.is_empty() {
+            *line = word.to_owned();
+        } else if line.chars().count() + 1 + word.chars().count() <= 120 {
+            *line = format!("{line} {word}");
+        } else {
+            lines.push(format!("{indent}{word}"));
+        }
+    }
+    lines.join("\n")
+}
+
+/// To update the README, run `RAYLANES_BLESS=1 cargo test --lib readme`.
 #[test]
-fn the_readme_says_what_its_record_says() {
+fn the_readme_matches_its_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let readme = fs::read_to_string(root.join("README.md")).unwrap();
-    let (before, rest) = readme.split_once("<!-- verdict of ").expect("the README has a verdict");
+    let (before, rest) =
+        readme.split_once("<!-- verdict of ").expect("the README has a block `<!-- verdict of ... -->`");
     let (folder, rest) = rest.split_once(" -->\n").unwrap();
     let (said, after) = rest.split_once("<!-- end of verdict -->").unwrap();
-    assert!(before.contains(&format!("]({folder}/{SPEED_ACCURACY})")), "the chart is that of the same record");
+    assert!(
+        before.contains(&format!("]({folder}/{SPEED_ACCURACY})")),
+        "the README's chart must be that of the same record"
+    );
     let json = fs::read_to_string(root.join(folder).join("results.json")).unwrap();
-    let record: Record = serde_json::from_str(&json).expect("the README's record has the present layout");
-    let expected = format!("\n{}\n", of_readme(&record, folder));
+    let record: Record = serde_json::from_str(&json).expect("the README's record has the current layout");
+    let expected = format!("\n{}\n", readme_block(&record, folder));
     if std::env::var_os("RAYLANES_BLESS").is_some() {
         let blessed = format!("{before}<!-- verdict of {folder} -->\n{expected}<!-- end of verdict -->{after}");
         fs::write(root.join("README.md"), blessed).unwrap();
     } else {
-        assert_eq!(said, expected, "if this is meant: RAYLANES_BLESS=1 cargo test --lib readme");
+        assert_eq!(said, expected, "to accept the change, run RAYLANES_BLESS=1 cargo test --lib readme");
     }
 }

@@ -1,4 +1,4 @@
-//! Logarithmic axes, which here have a place for zero.
+//! Logarithmic axes that also have a place for zero.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -7,17 +7,17 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 /// A logarithmic axis and its ticks.
 #[derive(Clone, Debug)]
 pub(super) struct LogAxis {
-    /// Decimal logarithms of the ends; a falling axis begins with the greater.
+    /// Decimal logarithms of the two ends. A falling axis starts with the larger one.
     ends: Range<f64>,
-    /// Where zero is, as the logarithm of what is there otherwise.
+    /// The position of zero, as a decimal logarithm.
     zero: f64,
-    /// Values that are labelled.
+    /// The labelled values.
     pub(super) ticks: Vec<f64>,
 }
 
 impl LogAxis {
-    /// An axis around what is shown, with ticks that suit its length. Zero is drawn a decade below 1; values that are not
-    /// `possible` get no tick.
+    /// An axis that covers the given values, with ticks that suit its length. Zero is drawn one decade below 1. A value
+    /// outside `possible` gets no tick.
     pub(super) fn around(values: impl Iterator<Item = f64>, possible: RangeInclusive<f64>) -> Self {
         const ZERO: f64 = -1.0;
         let mut any_zero = false;
@@ -27,9 +27,9 @@ impl LogAxis {
                 if value == 0.0 { ZERO } else { value.log10() }
             })
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)));
-        // Without values, any axis will do.
+        // Without values, any range will do.
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-        // Some space around the outermost marks, and enough for two ticks where all are equal.
+        // Space around the outermost marks, and room for two ticks if all values are equal.
         let padding = (0.08 * (high - low) + 0.12).max(0.5 - (high - low) / 2.0);
         let ends = low - padding..high + padding;
         let decades = ends.end - ends.start;
@@ -43,8 +43,8 @@ impl LogAxis {
         Self { ends, zero: ZERO, ticks }
     }
 
-    /// An axis through severities in their order, whether they rise or fall, each of which is a tick. A zero at either end
-    /// is one step beyond the others.
+    /// An axis with a tick at each of these severities, in their order, rising or falling. A zero at either end is
+    /// drawn one step beyond the others.
     pub(super) fn through(steps: &[f64]) -> Self {
         let logs: Vec<f64> = steps.iter().filter(|&&step| step > 0.0).map(|step| step.log10()).collect();
         let (first, last) = (logs.first().copied().unwrap_or(0.0), logs.last().copied().unwrap_or(0.0));
@@ -57,7 +57,8 @@ impl LogAxis {
         Self { ends: from - 0.4 * step..to + 0.4 * step, zero, ticks: steps.to_vec() }
     }
 
-    /// An axis for cells side by side, one for each of `values`, which are in equal ratios; its ticks are powers of ten.
+    /// An axis for cells side by side, one for each of `values`, which must be in equal ratios. The ticks are powers of
+    /// ten.
     pub(super) fn of_cells(values: &[f64]) -> Self {
         let (first, last) = values.first().zip(values.last()).map_or((0.0, 0.0), |(a, b)| (a.log10(), b.log10()));
         let half = if values.len() > 1 { (last - first) / (values.len() - 1) as f64 / 2.0 } else { 0.5 };
@@ -68,13 +69,13 @@ impl LogAxis {
         Self { ends, zero: 0.0, ticks: exponents.map(|exponent| 10f64.powi(exponent)).collect() }
     }
 
-    /// Where between the ends an axis [through](Self::through) severities jumps to zero.
+    /// The position, from 0 to 1, of the break before zero; `None` if the axis has no zero at an end.
     pub(super) fn gap(&self) -> Option<f64> {
         let ([.., beside, 0.0] | [0.0, beside, ..]) = self.ticks[..] else { return None };
         Some((self.position(beside) + self.position(0.0)) / 2.0)
     }
 
-    /// Where between the ends a value is: 0 to 1.
+    /// The position of a value between the ends: 0 to 1.
     pub(super) fn position(&self, value: f64) -> f64 {
         let log = if value == 0.0 { self.zero } else { value.log10() };
         (log - self.ends.start) / (self.ends.end - self.ends.start)
@@ -90,7 +91,7 @@ impl Ranged for LogAxis {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        // One grid line per tick, no finer ones.
+        // One grid line per tick, and no finer ones.
         if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
     }
 
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn zero_is_below_one_and_labelled_where_it_occurs() {
+    fn zero_is_below_one_and_has_a_tick_only_if_it_occurs() {
         let axis = |values: [f64; 2]| LogAxis::around(values.into_iter(), 1.0..=f64::INFINITY);
         assert!(axis([0.0, 5.0]).ticks.contains(&0.0) && !axis([0.5, 5.0]).ticks.contains(&0.0));
         let with_zero = axis([0.0, 5.0]);
@@ -123,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn easy_is_left_and_hard_is_right() {
+    fn severities_run_from_left_to_right_in_their_order() {
         for steps in [vec![1e-1, 1e-3, 1e-6, 0.0], vec![1.0, 1e3, 1e6], vec![1e-15, 1.0, 1e15], vec![4.0, 64.0, 0.0]] {
             let axis = LogAxis::through(&steps);
             let positions: Vec<f64> = steps.iter().map(|&step| axis.position(step)).collect();

@@ -1,4 +1,4 @@
-//! An empty chart, its header, and the styles of its text.
+//! The frame of a chart: an empty canvas, the header, and the styles of text.
 
 use std::convert::Infallible;
 
@@ -14,18 +14,18 @@ pub(super) type Area<'a> = DrawingArea<Svg<'a>, Shift>;
 pub(super) type Drawing<T> = Result<T, DrawingAreaErrorKind<Infallible>>;
 pub(super) type Drawn = Drawing<()>;
 
-/// An SVG of that size.
+/// Draws an SVG of this size.
 pub(super) fn canvas((width, height): Pixel, draw: impl FnOnce(&Area) -> Drawn) -> String {
     let mut svg = String::new();
     let root = Svg::new(&mut svg, (width as u32, height as u32)).into_drawing_area();
-    // Pages are white or dark; a chart brings its own background.
+    // The page may be white or dark, so a chart has its own background.
     let drawn = root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present());
-    drawn.expect("a string takes whatever is written to it");
+    drawn.expect("writing to a string cannot fail");
     drop(root);
     svg
 }
 
-/// A chart's message in bold, and lines below it; returns where the next line would be.
+/// Draws the title in bold and the remarks below it. Returns the vertical position of the next line.
 pub(super) fn header(root: &Area, width: i32, title: &str, remarks: &[String]) -> Drawing<i32> {
     let mut y = 10;
     for line in wrapped(title, width - 2 * MARGIN, 1.1 * TITLE) {
@@ -45,7 +45,7 @@ pub(super) fn header_height(width: i32, title: &str, remarks: &[String]) -> i32 
     16 + 24 * lines(title, 1.1 * TITLE) + LINE * remarks.iter().map(|remark| lines(remark, TEXT)).sum::<i32>()
 }
 
-/// Words in lines that are about as long as `width` allows.
+/// Breaks text between words into lines of about `width` pixels.
 pub(super) fn wrapped(text: &str, width: i32, size: f64) -> Vec<String> {
     let most = (f64::from(width) / (PROPORTIONAL * size)) as usize;
     let mut lines: Vec<String> = Vec::new();
@@ -58,13 +58,13 @@ pub(super) fn wrapped(text: &str, width: i32, size: f64) -> Vec<String> {
     lines
 }
 
-/// Where the record is from, for the header.
+/// The machine and the compiler of the record, for the header.
 pub(super) fn machine(record: &Record) -> String {
     let quick = if record.quick { ", quick run: fewer rays and samples" } else { "" };
     format!("{}, {}{quick}", record.machine.cpu, record.machine.rustc)
 }
 
-/// Text that begins at a point, vertically centred on it.
+/// The style of text that starts at a point and is vertically centred on it.
 pub(super) fn label(size: f64, color: RGBColor) -> TextStyle<'static> {
     styled(FontFamily::SansSerif, FontStyle::Normal, size, color)
 }
@@ -73,7 +73,7 @@ pub(super) fn heading(size: f64) -> TextStyle<'static> {
     styled(FontFamily::SansSerif, FontStyle::Bold, size, INK)
 }
 
-/// Kernel names.
+/// The style of kernel names.
 pub(super) fn name(bold: bool) -> TextStyle<'static> {
     styled(FontFamily::Monospace, if bold { FontStyle::Bold } else { FontStyle::Normal }, TEXT, INK)
 }
@@ -82,7 +82,7 @@ fn styled(family: FontFamily<'static>, style: FontStyle, size: f64, color: RGBCo
     FontDesc::new(family, size * FONT_SCALE, style).color(&color).pos(Pos::new(HPos::Left, VPos::Center))
 }
 
-/// The same, horizontally centred.
+/// This style, horizontally centred.
 pub(super) fn centered(style: TextStyle<'static>) -> TextStyle<'static> {
     style.pos(Pos::new(HPos::Center, VPos::Center))
 }
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_titles_are_wrapped_between_words() {
+    fn long_text_is_broken_between_words() {
         let text = "every word of a title that is too long for one line stands in one of its lines";
         let lines = wrapped(text, 200, TEXT);
         assert!(lines.len() > 2 && lines.iter().all(|line| line.len() < 30), "{lines:?}");

@@ -1,4 +1,4 @@
-//! `coherence.svg`: the tracer's modes on the rays of a picture, which are turned at random ever further.
+//! `coherence.svg`: the tracer's modes on the rays of a picture that are turned at random, further and further.
 
 use super::axis::LogAxis;
 use super::canvas::{canvas, header, header_height, heading, machine};
@@ -8,14 +8,14 @@ use crate::study::figures::tracer::{Coherence, modes};
 use crate::study::figures::{number, severity};
 use crate::study::record::{CoherenceRow, Record};
 
-const TITLE: &str = "Coherence: every mode as rays have ever less in common";
+const TITLE: &str = "Coherence: every mode as the rays become less coherent";
 const SCENE_TITLE: i32 = 30;
 const MARK: i32 = 5;
 
-/// What a panel shows of a row.
+/// The figure of a row that a panel shows.
 type Figure = fn(&CoherenceRow) -> Option<f64>;
 
-/// Draws for each scene one panel above another, over jitters.
+/// Draws a stack of panels for each scene, against the jitter.
 pub(super) fn svg(record: &Record) -> String {
     let all = Coherence::all(record);
     let panels: Vec<_> = all.iter().map(panels).collect();
@@ -30,7 +30,7 @@ pub(super) fn svg(record: &Record) -> String {
             top += SCENE_TITLE;
             let x = XAxis {
                 axis: LogAxis::through(&coherence.jitters),
-                title: "jitter: the rays of a picture at 0, random ones at 1".into(),
+                title: "jitter: 0 for the rays of a picture, 1 for random rays".into(),
                 tick: &severity,
             };
             draw_stack(root, panels, &x, top, plot)?;
@@ -40,7 +40,7 @@ pub(super) fn svg(record: &Record) -> String {
     })
 }
 
-/// Speed, and of what was counted that of which there is anything.
+/// The panels of a scene: speed, and each count that has any values.
 fn panels(coherence: &Coherence) -> Vec<Panel<'static>> {
     let panel = |(title, unit, figure): (&str, &str, Figure)| {
         let series = modes().map(|mode| Series { id: mode, name: mode, marks: marks(coherence, mode, figure, unit) });
@@ -54,7 +54,7 @@ fn panels(coherence: &Coherence) -> Vec<Panel<'static>> {
     };
     let figures: [(&str, &str, Figure); 4] = [
         ("million rays per second", "M rays/s", |row| Some(row.mrays_per_second)),
-        ("lane utilisation: share of the lanes of triangle tests in use (%)", "% of the lanes in use", |row| {
+        ("lane utilisation: share of the lanes of triangle tests that are used (%)", "% of the lanes used", |row| {
             row.lane_utilisation().map(|share| 100.0 * share)
         }),
         ("nodes visited per ray", "nodes per ray", CoherenceRow::nodes_per_ray),
@@ -66,8 +66,8 @@ fn panels(coherence: &Coherence) -> Vec<Panel<'static>> {
 fn marks(coherence: &Coherence, mode: &str, figure: Figure, unit: &str) -> Vec<Mark> {
     let mark = |(step, &x): (usize, &f64)| {
         let value = figure(coherence.row(x, mode)?).filter(|&value| value > 0.0 && value.is_finite())?;
-        let says = format!("jitter {}: {} {unit}", severity(x), number(value, 3));
-        Some(Mark { step, x, spread: None, value, bound: false, size: MARK, says })
+        let tooltip = format!("jitter {}: {} {unit}", severity(x), number(value, 3));
+        Some(Mark { step, x, spread: None, value, bound: false, size: MARK, tooltip })
     };
     coherence.jitters.iter().enumerate().filter_map(mark).collect()
 }
@@ -78,7 +78,7 @@ mod tests {
     use crate::study::tests::fixture::record_of;
 
     #[test]
-    fn what_was_not_counted_has_no_panel() {
+    fn a_count_without_values_has_no_panel() {
         let mut record = record_of(&[]);
         let titles = |record: &Record| {
             let panels: Vec<_> = Coherence::all(record).iter().flat_map(panels).collect();
@@ -96,11 +96,11 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_looks_the_same_in_every_panel() {
+    fn a_mode_has_the_same_look_in_every_panel() {
         let record = record_of(&[]);
         for panel in panels(&Coherence::all(&record)[0]) {
             assert!(panel.series.iter().map(|series| series.name).eq(modes()), "{}", panel.title);
-            assert_eq!(panel.series[2].marks.len(), 9, "packets are measured and counted at every jitter");
+            assert_eq!(panel.series[2].marks.len(), 9, "packets must have a mark at every jitter");
         }
     }
 }

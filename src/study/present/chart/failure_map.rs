@@ -1,5 +1,5 @@
-//! `failure-map-<family>.svg`: for each kernel, the error of `t` over two severities at once, as an image. The images of
-//! a map stand side by side, all in the same colours.
+//! `failure-map-<family>.svg`: for each kernel, the error of `t` over two severities, as an image of coloured cells.
+//! The images of a map are side by side and use the same colours.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -11,8 +11,8 @@ use super::layout::{ADVANCE, FAINT, INK, LINE, MARGIN, Pixel, TEXT, WIDTH};
 use crate::study::figures::{Group, count, severity};
 use crate::study::record::{MapCells, MapRow, Record};
 
-/// Errors up to these, in ulp, and the colours of the classes; then that of greater errors. One hue from light to dark
-/// (Cynthia Brewer's `YlGnBu`), so that lightness alone tells them apart.
+/// The classes of cells: the largest error in ulp, and the colour. [`WORSE`] is the colour of larger errors. The scale
+/// is Cynthia Brewer's `YlGnBu`: it runs from light to dark, so lightness alone tells the classes apart.
 const CLASSES: [(u64, RGBColor); 6] = [
     (1, RGBColor(255, 255, 204)),
     (10, RGBColor(199, 233, 180)),
@@ -22,15 +22,15 @@ const CLASSES: [(u64, RGBColor); 6] = [
     (100_000, RGBColor(34, 94, 168)),
 ];
 const WORSE: RGBColor = RGBColor(8, 29, 88);
-/// Of cells in which more than 1 % of the rays miss: no shade of the others, and striped besides.
+/// The colour of cells where more than 1 % of the rays miss. It is not on the scale, and these cells are striped too.
 const MISSED: RGBColor = RGBColor(222, 70, 30);
-/// Of cells in which too few rays hit to tell.
+/// The colour of cells where too few rays hit.
 const UNKNOWN: RGBColor = RGBColor(216, 216, 216);
-/// Rays without which there is no 99th percentile.
+/// Number of rays that a 99th percentile needs at least.
 const LEAST: u64 = 100;
 
-const TITLE: &str = "errors over two severities (light: right, dark: wrong, striped: missed)";
-/// Images are at least about this wide, and at most this wide and high.
+const TITLE: &str = "error of t over two severities";
+/// Minimum width of an image (approximately), and maximum width and height.
 const MIN_IMAGE: i32 = 130;
 const MAX_IMAGE: i32 = 200;
 const LEFT: i32 = 84;
@@ -41,10 +41,10 @@ const MAP_TITLE: i32 = 30;
 const AXIS_TITLE: i32 = 20;
 const LEGEND_HEIGHT: i32 = 56;
 
-/// Number of classes: [`CLASSES`], then greater errors, misses, and what is not known.
+/// Number of classes: [`CLASSES`], then larger errors, misses, and too few hits.
 const KINDS: usize = CLASSES.len() + 3;
 
-/// The class of a cell, for the number of rays that hit there and their error.
+/// The class of a cell, from the number of rays that hit there and their error.
 fn class(hits: u64, t_ulp_p99: Option<u64>) -> usize {
     match t_ulp_p99 {
         _ if hits < LEAST => CLASSES.len() + 2,
@@ -57,12 +57,12 @@ fn color(class: usize) -> RGBColor {
     CLASSES.get(class).map_or_else(|| [WORSE, MISSED, UNKNOWN][class - CLASSES.len()], |&(_, color)| color)
 }
 
-/// What a class stands for.
+/// The meaning of a class in words.
 fn meaning(class: usize) -> String {
     match CLASSES.get(class) {
         Some(&(most, _)) if class == 0 => format!("0 to {most} ulp"),
-        Some(&(most, _)) => format!("to {}", count(most)),
-        None => ["more", "> 1 % missed", "hardly any hit"][class - CLASSES.len()].into(),
+        Some(&(most, _)) => format!("up to {}", count(most)),
+        None => ["more", "> 1 % missed", "few hits"][class - CLASSES.len()].into(),
     }
 }
 
@@ -74,8 +74,8 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
     let width = layouts.iter().map(Layout::width).max().unwrap_or(0).max(WIDTH);
     let title = format!("{}: {TITLE}", group.subject);
     let remarks = [
-        "Colour: the error of t that 99 % of a cell's rays do not exceed, in units in the last place (ulp); all rays \
-         exactly hit strictly inside."
+        "Colour: 99th percentile of the error of t, in units in the last place (ulp). Light: small, dark: large, \
+         striped: more than 1 % of the rays miss. All rays exactly hit, strictly inside."
             .to_owned(),
         machine(record),
     ];
@@ -96,7 +96,7 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
 fn legend(root: &Area, top: i32) -> Drawn {
     const BOX: i32 = 100;
     for class in 0..KINDS {
-        // The misses stand apart from the scale.
+        // The classes of misses and few hits are separated from the scale.
         let x = MARGIN + class as i32 * BOX + if class > CLASSES.len() { 24 } else { 0 };
         let corners = [(x, top + 4), (x + BOX, top + 22)];
         fill(root, corners, class)?;
@@ -106,15 +106,15 @@ fn legend(root: &Area, top: i32) -> Drawn {
     Ok(())
 }
 
-/// Where the images of a map are.
+/// The layout of the images of a map.
 struct Layout {
-    /// Cells across and upward.
+    /// Number of cells, horizontally and vertically.
     cells: Pixel,
-    /// Side of a cell.
+    /// Side of a cell in pixels.
     cell: i32,
     columns: i32,
     rows: i32,
-    /// From one image to the next.
+    /// Distance from one image to the next.
     pitch: i32,
 }
 
@@ -124,7 +124,7 @@ impl Layout {
         let pitch = pitch.max(MIN_IMAGE + GAP);
         let space = WIDTH - LEFT - MARGIN + GAP;
         let most = (space / pitch).max(1);
-        // Rows about equally long, and images as large as there is room for.
+        // All rows have about the same number of images, and the images are as large as possible.
         let rows = ((images + most - 1) / most).max(1);
         let columns = ((images + rows - 1) / rows).max(1);
         let pitch = pitch.max((space / columns).min(MAX_IMAGE + GAP));
@@ -162,7 +162,7 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
         let corner = (LEFT + column * layout.pitch, top + row * layout.row_height() + NAME);
         root.draw_text(&kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
         axes_of(root, map, layout, corner, column == 0)?;
-        let cells = record.map_cells.iter().find(|cells| cells.id == kernel.kernel.id && cells.map == map.name);
+        let cells = record.map_cells.iter().find(|cells| cells.id == kernel.method.id && cells.map == map.name);
         let Some(cells) = cells.filter(|cells| fits(cells, map)) else {
             let (width, height) = layout.size();
             let center = (corner.0 + width / 2, corner.1 + height / 2);
@@ -175,14 +175,14 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
     Ok(())
 }
 
-/// Whether there is one figure for each cell.
+/// Whether the kernel has one figure for each cell of the map.
 fn fits(cells: &MapCells, map: &MapRow) -> bool {
     let cells = cells.t_ulp_p99.len();
     cells > 0 && cells == map.x.len() * map.y.len() && cells == map.hits.len()
 }
 
-/// Ticks at powers of ten; the vertical figures at the first image of a row alone.
-fn axes_of(root: &Area, map: &MapRow, layout: &Layout, (left, top): Pixel, figures: bool) -> Drawn {
+/// Draws the ticks at powers of ten. Only the first image of a row has labels on its vertical axis.
+fn axes_of(root: &Area, map: &MapRow, layout: &Layout, (left, top): Pixel, y_labels: bool) -> Drawn {
     let (width, height) = layout.size();
     let (right, bottom) = (left + width, top + height);
     root.draw(&Rectangle::new([(left - 1, top - 1), (right + 1, bottom + 1)], FAINT.stroke_width(1)))?;
@@ -196,7 +196,7 @@ fn axes_of(root: &Area, map: &MapRow, layout: &Layout, (left, top): Pixel, figur
     for &tick in &y_axis.ticks {
         let y = bottom - (y_axis.position(tick) * f64::from(height)).round() as i32;
         root.draw(&PathElement::new([(left - 5, y), (left - 1, y)], FAINT))?;
-        if figures {
+        if y_labels {
             let style = label(0.9 * TEXT, INK).pos(Pos::new(HPos::Right, VPos::Center));
             root.draw_text(&power(tick), &style, (left - 8, y))?;
         }
@@ -204,7 +204,7 @@ fn axes_of(root: &Area, map: &MapRow, layout: &Layout, (left, top): Pixel, figur
     Ok(())
 }
 
-/// A power of ten, as such unless it is short.
+/// A power of ten: in plain digits if that is short, else as `1e5`.
 fn power(tick: f64) -> String {
     let exponent = tick.log10().round();
     if (-2.0..=2.0).contains(&exponent) { severity(tick) } else { format!("1e{exponent}") }
@@ -213,7 +213,7 @@ fn power(tick: f64) -> String {
 fn image(root: &Area, layout: &Layout, (left, top): Pixel, map: &MapRow, cells: &MapCells) -> Drawn {
     let bottom = top + layout.size().1;
     let mut runs = runs(&map.hits, &cells.t_ulp_p99, layout.cells.0 as usize);
-    // What is of one class is written together.
+    // Runs of one class are drawn together, so that they become one path.
     runs.sort_by_key(|run| run.class);
     let corners = |run: &Run| {
         let bottom = bottom - run.row as i32 * layout.cell;
@@ -224,7 +224,8 @@ fn image(root: &Area, layout: &Layout, (left, top): Pixel, map: &MapRow, cells: 
     runs.iter().try_for_each(|run| stripe(root, corners(run), run.class))
 }
 
-/// How many cells are of each class, and the figure of each.
+/// The hover target of an image: the number of cells of each class as a tooltip, and the figure of each cell for the
+/// script.
 fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) -> Hover<'a> {
     let classes: Vec<_> = map.hits.iter().zip(&cells.t_ulp_p99).map(|(&hits, &cell)| class(hits, cell)).collect();
     let counts = (0..KINDS).map(|class| (classes.iter().filter(|&&of| of == class).count(), meaning(class)));
@@ -237,8 +238,8 @@ fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) 
     let severities = |steps: &[f64]| steps.iter().map(|&step| severity(step)).collect::<Vec<_>>().join(" ");
     Hover {
         shape: Shape::Rectangle { corner, size: layout.size() },
-        of: vec![&cells.id],
-        title: format!("{}, 1 ray or 8, cells by the error of t: {}", cells.id, counts.join("; ")),
+        subjects: vec![&cells.id],
+        title: format!("{}, scalar and packet, number of cells by error of t: {}", cells.id, counts.join("; ")),
         data: vec![
             ("axes", format!("{}|{}", map.x_axis, map.y_axis)),
             ("x", severities(&map.x)),
@@ -248,10 +249,10 @@ fn hover<'a>(layout: &Layout, corner: Pixel, map: &MapRow, cells: &'a MapCells) 
     }
 }
 
-/// Cells of one class side by side.
+/// Neighbouring cells of one class in a row.
 #[derive(Debug)]
 struct Run {
-    /// From the bottom.
+    /// Number of the row, from the bottom.
     row: usize,
     columns: std::ops::Range<usize>,
     class: usize,
@@ -272,12 +273,12 @@ fn runs(hits: &[u64], cells: &[Option<u64>], width: usize) -> Vec<Run> {
     runs
 }
 
-/// A rectangle in the colour of a class.
+/// Draws a rectangle in the colour of a class.
 fn fill(root: &Area, corners: [Pixel; 2], class: usize) -> Drawn {
     root.draw(&Rectangle::new(corners, color(class).filled()))
 }
 
-/// What a class has besides a colour.
+/// Draws the stripe of a class, if it has one.
 fn stripe(root: &Area, [from, to]: [Pixel; 2], class: usize) -> Drawn {
     if class == CLASSES.len() + 1 {
         let y = (from.1 + to.1) / 2;
@@ -309,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn pointing_at_a_map_tells_all_of_its_cells() {
+    fn the_hover_target_of_a_map_has_the_figures_of_all_cells() {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.map_cells[0].t_ulp_p99[..4].copy_from_slice(&[Some(7), Some(8), None, Some(123_456)]);
         let (map, cells) = (&record.maps[0], &record.map_cells[0]);
@@ -318,13 +319,15 @@ mod tests {
         assert_eq!(axes.split('|').collect::<Vec<_>>(), [&map.x_axis, &map.y_axis]);
         assert_eq!([x, y, figures].map(|list| list.split(' ').count()), [map.x.len(), map.y.len(), map.hits.len()]);
         assert!(figures.starts_with("7 8 >\u{a0}1\u{a0}%\u{a0}missed 123456 "), "{figures}");
-        assert!(hover.title.starts_with("triangle/cramer, 1 ray or 8, cells by the error of t: 0 to 1 ulp: "));
-        // Those in which hardly any ray hits, whatever they say.
-        assert!(hover.title.ends_with("; hardly any hit: 3"), "{}", hover.title);
+        assert!(
+            hover.title.starts_with("triangle/cramer, scalar and packet, number of cells by error of t: 0 to 1 ulp: ")
+        );
+        // Cells with few hits count as such, whatever their figures are.
+        assert!(hover.title.ends_with("; few hits: 3"), "{}", hover.title);
     }
 
     #[test]
-    fn classes_have_colours_and_meanings_of_their_own() {
+    fn every_class_has_its_own_colour_and_meaning() {
         let cells = [Some(0), Some(1), Some(2), Some(100), Some(101), Some(100_000), Some(100_001), None];
         assert_eq!(cells.map(|cell| class(LEAST, cell)), [0, 0, 1, 2, 3, 5, 6, 7]);
         assert_eq!(cells.map(|cell| class(LEAST - 1, cell)), [8; 8]);
@@ -334,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn misses_are_striped_in_a_colour_of_their_own() {
+    fn misses_are_striped_and_have_their_own_colour() {
         let mut record = record_of(&["triangle/cramer".into()]);
         let chart = |record: &Record| {
             let groups = groups(record);
@@ -344,11 +347,11 @@ mod tests {
             cells.t_ulp_p99.iter_mut().for_each(|cell| *cell = Some(u64::MAX));
         }
         let missed = |svg: &str| ["fill=\"#DE461E\"", "stroke=\"#FFF\" opacity"].map(|look| svg.matches(look).count());
-        assert_eq!(missed(&chart(&record)), [1, 1], "the legend");
+        assert_eq!(missed(&chart(&record)), [1, 1], "only the legend has them");
         record.map_cells[0].t_ulp_p99[5] = None;
         let svg = chart(&record);
         assert_eq!(missed(&svg), [2, 2]);
         record.map_cells[0].t_ulp_p99.pop();
-        assert!(chart(&record).contains("not measured"), "a map of another size is none");
+        assert!(chart(&record).contains("not measured"), "cells that do not fit the map are not drawn");
     }
 }

@@ -1,4 +1,4 @@
-//! What one learns by pointing at a chart: unseen shapes above it, each with a title, which browsers show.
+//! Hover targets: invisible shapes above a chart. Each has a title, which browsers show as a tooltip.
 
 use plotters::element::{Drawable, PointCollection};
 use plotters_backend::DrawingErrorKind;
@@ -6,14 +6,14 @@ use plotters_backend::DrawingErrorKind;
 use super::layout::Pixel;
 use super::svg::{Svg, escaped};
 
-/// A shape to point at.
+/// An invisible shape with a tooltip.
 pub(super) struct Hover<'a> {
     pub(super) shape: Shape,
-    /// The subjects that the title is about, as in [`Of`](super::svg::Of).
-    pub(super) of: Vec<&'a str>,
-    /// One line for each of them.
+    /// The subjects of the tooltip: see [`SubjectGroup`](super::svg::SubjectGroup).
+    pub(super) subjects: Vec<&'a str>,
+    /// The text of the tooltip: one line for each subject.
     pub(super) title: String,
-    /// Figures of parts of the shape, as attributes for a script.
+    /// `data-` attributes for the script of the page: figures for parts of the shape.
     pub(super) data: Vec<(&'static str, String)>,
 }
 
@@ -42,7 +42,7 @@ impl Drawable<Svg<'_>> for Hover<'_> {
         svg: &mut Svg,
         _: (u32, u32),
     ) -> Result<(), DrawingErrorKind<std::convert::Infallible>> {
-        let numbers: Vec<_> = self.of.iter().map(|subject| svg.number_of(subject).to_string()).collect();
+        let numbers: Vec<_> = self.subjects.iter().map(|subject| svg.number_of(subject).to_string()).collect();
         let data: String =
             self.data.iter().map(|(name, value)| format!(" data-{name}=\"{}\"", escaped(value))).collect();
         let inner = format!(" data-of=\"{}\"{data}><title>{}</title>", numbers.join(" "), escaped(&self.title));
@@ -64,10 +64,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn titles_are_text_and_lie_above_everything_else() {
+    fn titles_are_escaped_and_lie_above_everything_else() {
         let hover = Hover {
             shape: Shape::Disc { center: (30, 20), radius: 5 },
-            of: vec!["a", "b"],
+            subjects: vec!["a", "b"],
             title: "a < b & \"c\"".into(),
             data: vec![("cells", "1 \"2\"".into())],
         };

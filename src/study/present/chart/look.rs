@@ -1,16 +1,17 @@
-//! How a kernel looks: a colour, a pattern of dashes and the shape of its marks. Any one of them tells kernels apart.
+//! The look of a series: a colour, a dash pattern and the shape of its marks. Each of the three alone tells series
+//! apart.
 
 use plotters::prelude::*;
 
 use super::canvas::{Area, Drawn};
 use super::layout::{INK, Pixel};
-use super::svg::{Dashed, Of};
+use super::svg::{Dashed, SubjectGroup};
 
-/// How the lines and marks of a kernel look.
+/// The look of the lines and marks of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Look {
     pub(super) color: RGBColor,
-    /// Pixels drawn and left out, in turn; none: a solid line.
+    /// Lengths of dashes and gaps in pixels, alternating. Empty for a solid line.
     dash: &'static [f64],
     shape: Shape,
 }
@@ -18,7 +19,7 @@ pub(super) struct Look {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     Circle,
-    /// Corners for a size of 5.
+    /// Corners of a polygon of size 5.
     Corners(&'static [Pixel]),
 }
 
@@ -45,8 +46,8 @@ const RIGHT: Shape = Shape::Corners(&[(6, 0), (-4, 6), (-4, -6)]);
 const LEFT: Shape = Shape::Corners(&[(-6, 0), (4, 6), (4, -6)]);
 const BOW_TIE: Shape = Shape::Corners(&[(-6, -5), (0, -1), (6, -5), (6, 5), (0, 1), (-6, 5)]);
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart, without the yellow, which white swallows; then two of
-/// Paul Tol's and a grey.
+/// The colours of Okabe and Ito, which colour-blind readers can tell apart, without their yellow, which is too light on
+/// white. Then two colours of Paul Tol, and a grey.
 const LOOKS: [Look; 10] = [
     Look { color: RGBColor(0, 114, 178), dash: &[], shape: Shape::Circle },
     Look { color: RGBColor(213, 94, 0), dash: &[9.0, 3.0], shape: SQUARE },
@@ -60,22 +61,23 @@ const LOOKS: [Look; 10] = [
     Look { color: RGBColor(110, 110, 110), dash: &[6.0, 6.0], shape: BOW_TIE },
 ];
 
-/// Pixels of one kernel's colour on a line that several share.
+/// Length, in pixels, of one kernel's colour on a line that several kernels share.
 const STRIPE: f64 = 9.0;
 
 impl Look {
-    /// Of the kernel with that place in its group.
+    /// The look of the kernel with this index in its group.
     pub(super) fn of(index: usize) -> Self {
-        // Beyond ten, colours return with other shapes.
+        // After ten kernels, the colours repeat with other shapes.
         Self { shape: LOOKS[(index + index / LOOKS.len()) % LOOKS.len()].shape, ..LOOKS[index % LOOKS.len()] }
     }
 
-    /// Of no kernel: for legends.
+    /// A look that belongs to no kernel, for legends.
     pub(super) fn neutral() -> Self {
         Self { color: INK, dash: &[], shape: Shape::Circle }
     }
 
-    /// A mark, with a white rim that keeps neighbours apart. Hollow: the value is an upper bound, hence an arrow downward.
+    /// Draws a mark, with a white rim that separates it from its neighbours. A hollow mark means that the value is an
+    /// upper bound; it has an arrow pointing down.
     pub(super) fn mark(&self, root: &Area, at: Pixel, size: i32, hollow: bool) -> Drawn {
         self.stamp(root, at, size + 2, WHITE.filled())?;
         if !hollow {
@@ -88,7 +90,7 @@ impl Look {
         root.draw(&PathElement::new([(x - 3, tip - 3), (x, tip), (x + 3, tip - 3)], self.color.stroke_width(2)))
     }
 
-    /// The shape, filled or in outline.
+    /// Draws the shape, filled or as an outline.
     fn stamp(&self, root: &Area, (x, y): Pixel, size: i32, style: ShapeStyle) -> Drawn {
         let Shape::Corners(corners) = self.shape else {
             return root.draw(&Circle::new((x, y), size, style));
@@ -103,12 +105,13 @@ impl Look {
     }
 }
 
-/// A line of these series, by their ID, if they have one, and look: in the pattern of one, in stripes of several.
+/// Draws a line that these series share, each given by its ID, if it has one, and its look. A single series has its own
+/// dash pattern. Several series alternate in stripes of their colours.
 pub(super) fn line(root: &Area, points: &[Pixel], series: &[(Option<&str>, Look)]) -> Drawn {
     let period = series.len() as f64 * STRIPE;
     let stripe = [STRIPE, period - STRIPE];
     for (i, (id, look)) in (0..).zip(series) {
-        root.draw(&Of(*id))?;
+        root.draw(&SubjectGroup(*id))?;
         let (pattern, phase) = match series {
             [_] => (look.dash, 0.0),
             _ => (&stripe[..], (f64::from(-i) * STRIPE).rem_euclid(period)),
@@ -123,24 +126,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn twenty_kernels_look_different() {
+    fn twenty_kernels_all_look_different() {
         let looks: Vec<Look> = (0..20).map(Look::of).collect();
         for (i, a) in looks.iter().enumerate() {
             assert!(looks[..i].iter().all(|b| a != b), "{i}");
-            // Without colours, ten are told apart by their shapes.
+            // Within ten kernels, both colours and shapes are distinct.
             assert!(looks[i / 10 * 10..i].iter().all(|b| a.shape != b.shape && a.color != b.color), "{i}");
         }
     }
 
     #[test]
-    fn one_line_is_dashed_and_several_are_stripes_that_follow_one_another() {
+    fn a_line_of_one_series_is_dashed_and_a_shared_line_is_striped() {
         let looks = [0, 1, 2].map(|i| (None, Look::of(i)));
         let svg = super::super::canvas::canvas((300, 20), |root| line(root, &[(27, 9), (63, 9), (108, 9)], &looks));
         for (color, skipped) in
             [("0072B2", ""), ("D55E00", " stroke-dashoffset=\"18\""), ("009E73", " stroke-dashoffset=\"9\"")]
         {
             let path = format!(
-                "<path stroke=\"#{color}\" stroke-width=\"2\" stroke-dasharray=\"9 18\"{skipped} d=\"M27 9l36 0 45 0\"/>"
+                "<path stroke=\"#{color}\" stroke-width=\"2\" stroke-dasharray=\"9 18\"{skipped} \
+                 d=\"M27 9l36 0 45 0\"/>"
             );
             assert_eq!(svg.matches(&path).count(), 1, "{svg}");
         }

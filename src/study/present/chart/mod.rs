@@ -1,15 +1,16 @@
 //! The charts, as SVG:
 //!
-//! - `speed_accuracy`: every kernel's speed against its error of `t` and against the rays it loses;
-//! - `packets`: what packets gain over scalar code, and their share of the machine's limit;
-//! - `stability`: for each regime, what goes wrong from the easy steps to the hard ones;
-//! - `failure_map`: for each kernel, the error of `t` over two severities at once, as an image;
-//! - `coherence`: the tracer's modes on rays that have ever less in common;
-//! - `scaling`: the cost of a ray in ever larger scenes;
-//! - `peers`: rays per second of this crate's tracer and others.
+//! - `speed_accuracy`: speed of every kernel against its error of `t`, and against the rays that it loses;
+//! - `packets`: speed of packets over scalar code, and how close packets come to the machine's limit;
+//! - `stability`: for each regime, the errors from the easy steps to the hard ones;
+//! - `failure_map`: for each kernel, the error of `t` over two severities, as an image;
+//! - `coherence`: the modes of the tracer on less and less coherent rays;
+//! - `scaling`: the cost of a ray in larger and larger scenes;
+//! - `peers`: rays per second of this crate's tracer and of others.
 //!
-//! plotters maps values to pixels and draws the axes. What must not overlap is placed here, in pixels,
-//! since a chart without fonts cannot measure text: kernel names are set in a monospaced face, whose width is known.
+//! plotters maps values to pixels and draws the axes. Names and legends are placed in pixels by the code here, so that
+//! they do not overlap. An SVG without fonts cannot measure text, so kernel names are set in a monospaced font of known
+//! width.
 
 mod axis;
 mod canvas;
@@ -36,13 +37,13 @@ pub(crate) use svg::escaped;
 use crate::study::figures::{groups, groups_of_methods};
 use crate::study::record::Record;
 
-/// The file of a chart and what it contains.
+/// A chart: the name of its file, and its SVG.
 pub(crate) struct Chart {
     pub(crate) file: String,
     pub(crate) svg: String,
 }
 
-/// Every chart of a record.
+/// All charts of a record.
 pub(crate) fn charts(record: &Record) -> Vec<Chart> {
     let groups = groups(record);
     let (bases, instances): (Vec<_>, Vec<_>) = groups.iter().partition(|group| group.is_base());
@@ -100,7 +101,7 @@ mod tests {
         for chart in &charts {
             sound(chart);
             if [COHERENCE, SCALING, PEERS].contains(&chart.file.as_str()) {
-                continue; // of no kernels
+                continue; // These show no kernels.
             }
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
             let shown: Vec<_> = match chart.file.as_str() {
@@ -122,9 +123,17 @@ mod tests {
     }
 
     #[test]
-    fn charts_depend_on_nothing_but_the_record() {
+    fn charts_depend_only_on_the_record() {
         let svgs = || charts(&record_of(&all_ids())).into_iter().map(|chart| chart.svg).collect::<Vec<_>>();
         assert!(svgs() == svgs());
+    }
+
+    #[test]
+    fn every_title_fits_one_line() {
+        for chart in charts(&record_of(&all_ids())) {
+            let titles = chart.svg.lines().filter(|line| line.contains(" font-size=\"18\" "));
+            assert_eq!(titles.count(), 1, "the title of {} is longer than one line", chart.file);
+        }
     }
 
     #[test]

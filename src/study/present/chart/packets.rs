@@ -1,5 +1,4 @@
-//! `packets.svg`: what packets of eight gain over scalar code, with the ideal marked, and how close they come to the machine's
-//! limit.
+//! `packets.svg`: the gain of packets of eight over scalar code, and how close packets come to the machine's limit.
 
 use plotters::prelude::*;
 
@@ -7,31 +6,31 @@ use super::canvas::{Area, Drawn, canvas, centered, header, header_height, headin
 use super::hover::{Hover, Shape};
 use super::layout::{ADVANCE, FAINT, GRID, INK, LINE, MARGIN, TEXT, WIDTH};
 use super::look::Look;
-use crate::study::figures::{Figures, Group, number, optional, percent, times};
+use crate::study::figures::{Group, KernelFigures, number, optional, percent, times};
 use crate::study::record::Record;
 
-const TITLE: &str = "Packets of eight: gain over scalar code, and share of the machine's limit";
+const TITLE: &str = "Packets of eight: gain over scalar code, and share of the limit";
 const GROUP_TITLE: i32 = 26;
 const AXIS: i32 = 36;
 const GAP: i32 = 40;
 /// Half the height of a bar.
 const BAR: i32 = 5;
-/// Beyond a bar, for its figure.
+/// Space beyond a bar, for its figure.
 const FIGURE: i32 = 44;
 
-/// A column of bars: what they show, from one tick to the next, and the value that is marked.
+/// A column of bars: its title, the distance of its ticks, the marked value, and the value of each bar.
 struct Column {
     title: &'static str,
     step: f64,
     mark: f64,
     tick: fn(f64) -> String,
-    value: fn(&Figures) -> Option<f64>,
+    value: fn(&KernelFigures) -> Option<f64>,
     text: fn(Option<f64>) -> String,
 }
 
 const COLUMNS: [Column; 2] = [
     Column {
-        title: "gain: time of 1x1 over 8x1 (line: the ideal, 8×)",
+        title: "gain: time of 1x1 over time of 8x1 (line: the ideal, 8×)",
         step: 2.0,
         mark: 8.0,
         tick: |gain| format!("{gain:.0}"),
@@ -39,7 +38,7 @@ const COLUMNS: [Column; 2] = [
         text: times,
     },
     Column {
-        title: "share of the limit, % (line: all of it)",
+        title: "limit as a share of the time, % (line: 100 %)",
         step: 0.25,
         mark: 1.0,
         tick: |share| format!("{:.0}", 100.0 * share),
@@ -54,8 +53,11 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> String {
         groups.iter().flat_map(|group| &group.kernels).map(|kernel| kernel.name.chars().count()).max().unwrap_or(0);
     let left = MARGIN + (names as f64 * ADVANCE).ceil() as i32 + 12;
     let plot = (WIDTH - left - MARGIN - GAP) / 2;
-    let remarks = ["The limit: what the busiest class of operations takes at least, by their count and their rates in the same run."
-        .to_owned(), machine(record) + ", one thread"];
+    let remarks = [
+        "Limit: the machine's least time for the busiest class of operations (their number times their measured rate)."
+            .to_owned(),
+        machine(record) + ", one thread",
+    ];
     let top = header_height(WIDTH, TITLE, &remarks) + LINE;
     let rows: i32 = groups.iter().map(|group| GROUP_TITLE + LINE * group.kernels.len() as i32).sum();
     let kernels = || groups.iter().flat_map(|group| &group.kernels);
@@ -85,13 +87,13 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> String {
 }
 
 impl Column {
-    /// What a bar can reach: a little beyond the longest, and beyond the mark.
-    fn end<'a>(&self, kernels: impl Iterator<Item = &'a Figures<'a>>) -> f64 {
+    /// The end of the axis: a little beyond the longest bar and the marked value.
+    fn end<'a>(&self, kernels: impl Iterator<Item = &'a KernelFigures<'a>>) -> f64 {
         1.06 * kernels.filter_map(self.value).filter(|value| value.is_finite()).fold(self.mark, f64::max)
     }
 }
 
-/// A column and its place.
+/// A column and its position.
 struct Bars<'a> {
     column: &'a Column,
     left: i32,
@@ -100,52 +102,52 @@ struct Bars<'a> {
 }
 
 impl Bars<'_> {
-    /// Where a value is.
-    fn place(&self, value: f64) -> i32 {
+    /// The horizontal position of a value.
+    fn position(&self, value: f64) -> i32 {
         self.left + (value / self.end * f64::from(self.plot - FIGURE)).round() as i32
     }
 
     fn axis(&self, root: &Area, rows: std::ops::Range<i32>) -> Drawn {
         let Column { title, step, mark, tick, .. } = *self.column;
         for value in (0..=(self.end / step) as u32).map(|number| f64::from(number) * step) {
-            let x = self.place(value);
+            let x = self.position(value);
             let style = if value == mark { INK.stroke_width(2) } else { GRID.stroke_width(1) };
             root.draw(&PathElement::new([(x, rows.start), (x, rows.end)], style))?;
             root.draw_text(&tick(value), &centered(label(TEXT, INK)), (x, rows.end + 10))?;
         }
-        let middle = self.place(self.end / 2.0);
+        let middle = self.position(self.end / 2.0);
         root.draw_text(title, &centered(label(TEXT, INK)), (middle, rows.end + 28))
     }
 
-    fn bar(&self, root: &Area, y: i32, kernel: &Figures, color: RGBColor) -> Drawn {
+    fn bar(&self, root: &Area, y: i32, kernel: &KernelFigures, color: RGBColor) -> Drawn {
         let value = (self.column.value)(kernel).filter(|value| value.is_finite());
-        let end = self.place(value.unwrap_or(0.0).max(0.0));
+        let end = self.position(value.unwrap_or(0.0).max(0.0));
         root.draw(&Rectangle::new([(self.left, y - BAR), (end, y + BAR)], color.filled()))?;
         root.draw(&Hover {
             shape: Shape::Rectangle { corner: (self.left, y - LINE / 2), size: (self.plot, LINE) },
-            of: vec![&kernel.kernel.id],
+            subjects: vec![&kernel.method.id],
             title: title(kernel),
             data: Vec::new(),
         })?;
-        // No figure lies on the line.
-        let line = self.place(self.column.mark);
+        // The figure must not lie on the line.
+        let line = self.position(self.column.mark);
         let figure = if (line - FIGURE..line).contains(&end) { line } else { end };
         root.draw_text(&(self.column.text)(value), &label(TEXT - 1.0, FAINT), (figure + 4, y))
     }
 }
 
-/// What a kernel's bars are about, in words.
-fn title(kernel: &Figures) -> String {
-    let ns = |face| format!("{face}: {} ns per test", optional(kernel.ns(face), 3));
+/// The tooltip of a kernel's bars.
+fn title(kernel: &KernelFigures) -> String {
+    let ns = |width| format!("{width}: {} ns per test", optional(kernel.ns(width), 3));
     let limit = kernel.packet().and_then(|row| Some((row.limit_by.clone()?, number(row.limit_ns?, 3))));
     format!(
-        "{}, {}, {}, gain {}, {} of the limit{}",
-        kernel.kernel.id,
+        "{}, {}, {}, gain {}, limit {} of the time{}",
+        kernel.method.id,
         ns("1x1"),
         ns("8x1"),
         times(kernel.gain()),
         percent(kernel.limit_share()),
-        limit.map_or(String::new(), |(class, ns)| format!(": {ns} ns, by class {class}"))
+        limit.map_or(String::new(), |(class, ns)| format!(" ({ns} ns, busiest class: {class})"))
     )
 }
 
@@ -156,14 +158,14 @@ mod tests {
     use crate::study::tests::fixture::{all_ids, record_of};
 
     #[test]
-    fn the_axis_goes_beyond_the_mark_where_a_bar_does() {
+    fn the_axis_covers_the_mark_and_the_longest_bar() {
         let mut record = record_of(&["triangle/cramer".into(), "triangle/woop".into()]);
         let mut end = |ns: f64| {
-            let scalar = record.speed.iter_mut().find(|row| row.face == "1x1" && row.threads == 1).unwrap();
+            let scalar = record.speed.iter_mut().find(|row| row.width == "1x1" && row.threads == 1).unwrap();
             scalar.ns_per_test = ns;
             let groups = groups(&record);
             let kernels = || groups.iter().flat_map(|group| &group.kernels);
-            (COLUMNS[0].end(kernels()), kernels().filter_map(Figures::gain).fold(0.0, f64::max))
+            (COLUMNS[0].end(kernels()), kernels().filter_map(KernelFigures::gain).fold(0.0, f64::max))
         };
         let (end_of_short, short) = end(1e-3);
         assert!(short < 8.0 && end_of_short == 1.06 * 8.0, "{short}");
@@ -172,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kernel_has_its_gain_and_its_share() {
+    fn every_kernel_shows_its_gain_and_its_share_of_the_limit() {
         let record = record_of(&all_ids());
         let groups = groups(&record);
         let svg = svg(&record, &groups.iter().filter(|group| group.is_base()).collect::<Vec<_>>());

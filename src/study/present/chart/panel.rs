@@ -1,4 +1,5 @@
-//! One plot: a series of marks for each kernel, and the kernels' names in a column beside it, each tied to its last mark.
+//! One plot: a series of marks for each kernel, and a column of names beside it. A leader connects each name with the
+//! last mark of its series.
 
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
@@ -10,42 +11,42 @@ use super::canvas::{Area, Drawing, Drawn, centered, label, name};
 use super::hover::{Hover, Shape};
 use super::layout::{ADVANCE, FAINT, GRID, INK, LEFT, LINE, MARGIN, Pixel, TEXT, WIDTH};
 use super::look::{Look, line};
-use super::svg::Of;
+use super::svg::SubjectGroup;
 use crate::study::figures::si;
 
-/// Plots get no narrower than this; long names widen the chart instead.
+/// Minimum width of a plot; long names widen the chart instead.
 const MIN_PLOT: i32 = 480;
 const MIN_HEIGHT: i32 = 150;
 const TITLE_HEIGHT: i32 = 24;
-/// Marks no further apart than this lie on one another.
+/// Marks at most this far apart count as overlapping.
 const NEAR: i32 = 4;
-/// From the plot to the names; leaders cross it.
+/// Space between the plot and the column of names, for the leaders.
 const GAP: i32 = 48;
-/// From the beginning of the column to the names: a sample of the line and its mark.
+/// Width of the sample of line and mark before each name.
 const SAMPLE: i32 = 34;
 const BELOW: i32 = 16;
 const X_LABELS: i32 = 22;
 const X_TITLE: i32 = 30;
 const FRONTIER: RGBColor = RGBColor(150, 150, 150);
-const BEATEN: RGBColor = RGBColor(244, 244, 244);
-/// Appended to the names of kernels that a panel has no mark for.
+const DOMINATED: RGBColor = RGBColor(244, 244, 244);
+/// Follows the name of a kernel without marks in this panel.
 const NOT_MEASURED: &str = " (not measured)";
 
 /// One plot.
 pub(super) struct Panel<'a> {
     pub(super) title: String,
-    /// Values that there can be; others get no tick.
+    /// The possible values; others get no tick.
     pub(super) possible: RangeInclusive<f64>,
-    /// A value that is drawn as a line across.
+    /// A value that is marked by a line across the plot.
     pub(super) threshold: Option<f64>,
-    /// Whether to draw the marks that no other beats in both.
+    /// Whether to draw the frontier: the marks that no other mark beats on both axes.
     pub(super) frontier: bool,
     pub(super) series: Vec<Series<'a>>,
 }
 
 /// The marks of a kernel.
 pub(super) struct Series<'a> {
-    /// Tells it from all others of a chart.
+    /// Unique ID within the chart.
     pub(super) id: &'a str,
     pub(super) name: &'a str,
     pub(super) marks: Vec<Mark>,
@@ -53,72 +54,72 @@ pub(super) struct Series<'a> {
 
 /// A measured value.
 pub(super) struct Mark {
-    /// Marks of consecutive steps are joined.
+    /// Marks of consecutive steps are joined by a line.
     pub(super) step: usize,
     pub(super) x: f64,
-    /// From where to where `x` may as well be: marks whose spreads meet tie.
+    /// The range of `x` within the noise. Marks whose ranges overlap tie.
     pub(super) spread: Option<[f64; 2]>,
     pub(super) value: f64,
-    /// The value is an upper bound: nothing was observed.
+    /// Whether the value is an upper bound, because no event was observed.
     pub(super) bound: bool,
     /// Half its size in pixels.
     pub(super) size: i32,
-    /// What it stands for, after the ID: figures with their units.
-    pub(super) says: String,
+    /// The text of the tooltip after the ID: figures with their units.
+    pub(super) tooltip: String,
 }
 
 impl Mark {
-    /// Nothing observed is nothing observed, whatever the bound.
+    /// The observed value: 0 for a bound.
     fn observed(&self) -> f64 {
         if self.bound { 0.0 } else { self.value }
     }
 }
 
 impl Series<'_> {
-    /// What stands beside the plot.
+    /// The name beside the plot.
     fn label(&self) -> String {
         let remark = if self.marks.is_empty() { NOT_MEASURED } else { "" };
         format!("{}{remark}", self.name)
     }
 }
 
-/// Width of a plot that leaves room for the names of all panels, and of the chart around it.
+/// Width of a plot that leaves room for the names of all panels, and width of the whole chart.
 pub(super) fn widths<'a>(panels: impl Iterator<Item = &'a Panel<'a>>) -> (i32, i32) {
     let beside = LEFT + names_width(panels);
     let plot = (WIDTH - beside).max(MIN_PLOT);
     (plot, plot + beside)
 }
 
-/// Width of what is right of a plot: leaders, samples and names, those of all these panels.
+/// Width to the right of a plot, for the leaders, samples and names of all these panels.
 pub(super) fn names_width<'a>(panels: impl Iterator<Item = &'a Panel<'a>>) -> i32 {
     let series = panels.flat_map(|panel| &panel.series);
     let longest = series.map(|series| series.label().chars().count()).max().unwrap_or(0);
     GAP + SAMPLE + (longest as f64 * ADVANCE).ceil() as i32 + MARGIN
 }
 
-/// Height of panels above one another with one horizontal axis.
+/// Height of a stack of panels with one horizontal axis.
 pub(super) fn stack_height(panels: &[Panel]) -> i32 {
     panels.iter().map(Panel::height).sum::<i32>() + X_LABELS + X_TITLE
 }
 
-/// Where a plot is.
+/// The place of a plot.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     /// Upper left corner.
     pub(super) corner: Pixel,
     pub(super) size: Pixel,
-    /// Whether there are figures below it.
+    /// Whether the ticks of the horizontal axis are labelled.
     pub(super) x_labels: bool,
 }
 
-/// The horizontal axis of panels above one another.
+/// The horizontal axis of a stack of panels.
 pub(super) struct XAxis<'a> {
     pub(super) axis: LogAxis,
     pub(super) title: String,
     pub(super) tick: &'a dyn Fn(f64) -> String,
 }
 
-/// Draws panels above one another, from `top` on, over one horizontal axis.
+/// Draws a stack of panels over one horizontal axis, starting at `top`.
 pub(super) fn draw_stack(root: &Area, panels: &[Panel], x: &XAxis, mut top: i32, plot: i32) -> Drawn {
     for (i, panel) in panels.iter().enumerate() {
         root.draw_text(&panel.title, &label(TEXT, INK), (LEFT, top + TITLE_HEIGHT / 2))?;
@@ -130,21 +131,21 @@ pub(super) fn draw_stack(root: &Area, panels: &[Panel], x: &XAxis, mut top: i32,
     root.draw_text(&x.title, &centered(label(TEXT, INK)), (LEFT + plot / 2, top + X_LABELS))
 }
 
-/// Explains the frontier, in a header.
+/// Draws a sample of the frontier, for a legend.
 pub(super) fn frontier_sample(root: &Area, (x, y): Pixel) -> Drawn {
-    root.draw(&Rectangle::new([(x, y - 9), (x + 24, y + 7)], BEATEN.filled()))?;
+    root.draw(&Rectangle::new([(x, y - 9), (x + 24, y + 7)], DOMINATED.filled()))?;
     root.draw(&PathElement::new([(x + 24, y - 9), (x + 24, y - 1), (x + 12, y - 1)], FRONTIER.stroke_width(3)))?;
     root.draw(&PathElement::new([(x + 12, y - 1), (x + 12, y + 7), (x, y + 7)], FRONTIER.stroke_width(3)))
 }
 
-/// Explains the threshold, in a header.
+/// Draws a sample of the threshold, for a legend.
 pub(super) fn threshold_sample(root: &Area, (x, y): Pixel) -> Drawn {
     root.draw(&PathElement::new([(x, y), (x + 24, y)], FRONTIER.stroke_width(1)))
 }
 
-/// A mark of a series, and where it is.
+/// A mark of a series, and its position in pixels.
 #[derive(Clone, Copy)]
-struct Placed<'a> {
+struct PlacedMark<'a> {
     series: usize,
     mark: &'a Mark,
     at: Pixel,
@@ -155,7 +156,7 @@ impl Panel<'_> {
         self.series.iter().flat_map(|series| &series.marks)
     }
 
-    /// Height of a plot that leaves room for the names.
+    /// Minimum height of a plot, with room for the names.
     pub(super) fn least_height(&self) -> i32 {
         LINE * (self.series.len() as i32 + 1)
     }
@@ -168,8 +169,8 @@ impl Panel<'_> {
         TITLE_HEIGHT + self.plot_height() + BELOW
     }
 
-    /// Draws the plot and, with `names`, the names of all series beside it: bold are those on the frontier, and those in
-    /// `names`. Returns the series that are on the frontier.
+    /// Draws the plot. With `names`, also draws the names of all series beside it; those on the frontier and those
+    /// listed in `names` are bold. Returns the series on the frontier.
     pub(super) fn draw(&self, root: &Area, x: &XAxis, frame: Frame, names: Option<&[usize]>) -> Drawing<Vec<usize>> {
         let Frame { corner: (left, top), size: (width, height), x_labels } = frame;
         let (right, bottom) = (left + width, top + height);
@@ -181,16 +182,16 @@ impl Panel<'_> {
             .set_label_area_size(LabelAreaPosition::Bottom, label_height)
             .build_cartesian_2d(x.axis.clone(), values.clone())?;
 
-        let mut placed: Vec<Placed> = Vec::new();
+        let mut placed: Vec<PlacedMark> = Vec::new();
         for (series, marks) in self.series.iter().enumerate() {
-            let place = |mark| Placed { series, mark, at: chart.backend_coord(&(mark.x, mark.value)) };
+            let place = |mark| PlacedMark { series, mark, at: chart.backend_coord(&(mark.x, mark.value)) };
             placed.extend(marks.marks.iter().map(place));
         }
         let frontier = if self.frontier { frontier(&placed) } else { Vec::new() };
         let steps = frontier_steps(&frontier, (left, top));
         if !steps.is_empty() {
-            let beaten = steps.iter().copied().chain([(left, top)]).collect::<Vec<_>>();
-            root.draw(&Polygon::new(beaten, BEATEN.filled()))?;
+            let dominated = steps.iter().copied().chain([(left, top)]).collect::<Vec<_>>();
+            root.draw(&Polygon::new(dominated, DOMINATED.filled()))?;
         }
         chart
             .configure_mesh()
@@ -202,7 +203,7 @@ impl Panel<'_> {
             .y_label_formatter(&|&value| si(value, 1))
             .draw()?;
         if let Some(gap) = x.axis.gap().filter(|_| x_labels) {
-            // Zero is no power of ten: the axis is broken before it.
+            // Zero is not on a logarithmic axis, so a break is drawn before it.
             let x = left + (gap * f64::from(width)).round() as i32;
             root.draw(&Rectangle::new([(x - 3, bottom - 2), (x + 3, bottom + 2)], WHITE.filled()))?;
             for x in [x - 3, x + 3] {
@@ -221,10 +222,10 @@ impl Panel<'_> {
         if let Some(more) = names {
             self.names(root, right, top..bottom, &placed, &[&best, more].concat())?;
         }
-        for Placed { series, mark, at: (_, y) } in &placed {
+        for PlacedMark { series, mark, at: (_, y) } in &placed {
             if let Some(spread) = mark.spread {
                 let ends = spread.map(|x| (chart.backend_coord(&(x, mark.value)).0.clamp(left, right), *y));
-                root.draw(&Of(Some(self.series[*series].id)))?;
+                root.draw(&SubjectGroup(Some(self.series[*series].id)))?;
                 whisker(root, ends, Look::of(*series))?;
             }
         }
@@ -232,8 +233,9 @@ impl Panel<'_> {
         Ok(best)
     }
 
-    /// The names of all series in a column right of the plot, each tied to its last mark; those in `best` are bold.
-    fn names(&self, root: &Area, right: i32, rows: Range<i32>, placed: &[Placed], best: &[usize]) -> Drawn {
+    /// Draws the names of all series in a column right of the plot, with leaders to their last marks. Those in `best`
+    /// are bold.
+    fn names(&self, root: &Area, right: i32, rows: Range<i32>, placed: &[PlacedMark], best: &[usize]) -> Drawn {
         let column = right + GAP;
         let last = |series: usize| {
             let marks = placed.iter().filter(|placed| placed.series == series).map(|placed| placed.at);
@@ -243,7 +245,7 @@ impl Panel<'_> {
         let names = name_rows(&targets, column, rows);
         for (i, ((series, &target), y)) in self.series.iter().zip(&targets).zip(names).enumerate() {
             let look = Look::of(i);
-            root.draw(&Of(Some(series.id)))?;
+            root.draw(&SubjectGroup(Some(series.id)))?;
             if !series.marks.is_empty() {
                 root.draw(&PathElement::new([target, (column - 4, y)], look.color.mix(0.6)))?;
             }
@@ -251,18 +253,18 @@ impl Panel<'_> {
             look.mark(root, (column + SAMPLE / 2 - 3, y), 4, false)?;
             root.draw_text(&series.label(), &name(best.contains(&i)), (column + SAMPLE, y))?;
         }
-        root.draw(&Of(None))
+        root.draw(&SubjectGroup(None))
     }
 
-    /// Joins the marks of consecutive steps; where series coincide, in stripes of their colours.
-    fn lines(&self, root: &Area, placed: &[Placed]) -> Drawn {
+    /// Joins the marks of consecutive steps. Where several series coincide, the line is striped in their colours.
+    fn lines(&self, root: &Area, placed: &[PlacedMark]) -> Drawn {
         let mut segments: BTreeMap<[Pixel; 2], Vec<usize>> = BTreeMap::new();
         for pair in placed.windows(2) {
             if pair[0].series == pair[1].series && pair[0].mark.step + 1 == pair[1].mark.step {
                 segments.entry([pair[0].at, pair[1].at]).or_default().push(pair[0].series);
             }
         }
-        // What goes on with the same series is one line, whose pattern goes on.
+        // Consecutive segments of the same series become one line, so that the dash pattern continues.
         let mut chains: Vec<(Vec<usize>, Vec<Pixel>)> = Vec::new();
         for ([from, to], series) in segments {
             match chains.iter_mut().find(|(of, points)| *of == series && points.last() == Some(&from)) {
@@ -274,53 +276,53 @@ impl Panel<'_> {
             let looks: Vec<_> = series.iter().map(|&series| (Some(self.series[series].id), Look::of(series))).collect();
             line(root, points, &looks)?;
         }
-        root.draw(&Of(None))
+        root.draw(&SubjectGroup(None))
     }
 
-    /// The marks; of several in one place one is shown, at each step another, and all are named.
-    fn draw_marks(&self, root: &Area, placed: &[Placed]) -> Drawn {
-        let mut places: BTreeMap<Pixel, Vec<&Placed>> = BTreeMap::new();
+    /// Draws the marks. Of several marks in one place, one is drawn, a different one at each step; the tooltip names
+    /// all.
+    fn draw_marks(&self, root: &Area, placed: &[PlacedMark]) -> Drawn {
+        let mut places: BTreeMap<Pixel, Vec<&PlacedMark>> = BTreeMap::new();
         for mark in placed {
             places.entry(mark.at).or_default().push(mark);
         }
         for (&at, here) in &places {
             let shown = here[here[0].mark.step % here.len()];
-            root.draw(&Of(Some(self.series[shown.series].id)))?;
+            root.draw(&SubjectGroup(Some(self.series[shown.series].id)))?;
             Look::of(shown.series).mark(root, at, shown.mark.size, shown.mark.bound)?;
         }
-        root.draw(&Of(None))?;
+        root.draw(&SubjectGroup(None))?;
         for (&(x, y), here) in &places {
-            let near = |other: &&Placed| (other.at.0 - x).abs().max((other.at.1 - y).abs()) <= NEAR;
-            // What is right here comes first; of what says the same, the IDs share a line.
+            let near = |other: &&PlacedMark| (other.at.0 - x).abs().max((other.at.1 - y).abs()) <= NEAR;
+            // Marks exactly here come first. IDs with the same text share a line.
             let mut named: Vec<_> = placed.iter().filter(near).collect();
-            named.sort_by_key(|other| (other.at != (x, y), other.mark.says.as_str()));
-            let lines = named.chunk_by(|a, b| a.mark.says == b.mark.says).map(|same| {
+            named.sort_by_key(|other| (other.at != (x, y), other.mark.tooltip.as_str()));
+            let lines = named.chunk_by(|a, b| a.mark.tooltip == b.mark.tooltip).map(|same| {
                 let ids: Vec<_> = same.iter().map(|placed| self.series[placed.series].id).collect();
-                format!("{}, {}", ids.join(", "), same[0].mark.says)
+                format!("{}, {}", ids.join(", "), same[0].mark.tooltip)
             });
             let title = lines.collect::<Vec<_>>().join("\n");
-            let mut of: Vec<_> = named.iter().map(|placed| self.series[placed.series].id).collect();
-            of.dedup();
+            let mut subjects: Vec<_> = named.iter().map(|placed| self.series[placed.series].id).collect();
+            subjects.dedup();
             let shape = Shape::Disc { center: (x, y), radius: here[0].mark.size + 3 };
-            root.draw(&Hover { shape, of, title, data: Vec::new() })?;
+            root.draw(&Hover { shape, subjects, title, data: Vec::new() })?;
         }
         Ok(())
     }
 }
 
-/// From where to where a mark may as well be.
+/// Draws the range of a mark within the noise.
 pub(super) fn whisker(root: &Area, ends: [Pixel; 2], look: Look) -> Drawn {
     root.draw(&PathElement::new(ends, look.color))?;
     ends.iter().try_for_each(|&(x, y)| root.draw(&PathElement::new([(x, y - 3), (x, y + 4)], look.color)))
 }
 
-/// The marks that no other beats in both, the greatest `x` first. Nothing observed is nothing observed: zeros are equal,
-/// whatever their bounds.
-fn frontier<'a>(placed: &[Placed<'a>]) -> Vec<Placed<'a>> {
+/// The marks that no other mark beats on both axes, largest `x` first. Bounds count as zero, so all zeros are equal.
+fn frontier<'a>(placed: &[PlacedMark<'a>]) -> Vec<PlacedMark<'a>> {
     let mut marks = placed.to_vec();
     marks.sort_by(|a, b| b.mark.x.total_cmp(&a.mark.x).then(a.mark.observed().total_cmp(&b.mark.observed())));
     let mut best = f64::INFINITY;
-    marks.retain(|Placed { mark, .. }| {
+    marks.retain(|PlacedMark { mark, .. }| {
         let better = mark.observed() < best;
         best = best.min(mark.observed());
         better
@@ -328,30 +330,30 @@ fn frontier<'a>(placed: &[Placed<'a>]) -> Vec<Placed<'a>> {
     marks
 }
 
-/// The series on the frontier, and those beside one that is there by luck: with an equal value, and a tie in `x`.
-fn with_ties(placed: &[Placed], frontier: &[Placed]) -> Vec<usize> {
+/// The series on the frontier, and those that tie with one of them: with an equal value, and an `x` that ties.
+fn with_ties(placed: &[PlacedMark], frontier: &[PlacedMark]) -> Vec<usize> {
     let ties = |a: &Mark, b: &Mark| match (a.spread, b.spread) {
         (Some([a_least, a_most]), Some([b_least, b_most])) => a_least <= b_most && b_least <= a_most,
         _ => a.x == b.x,
     };
-    let is_on = |placed: &&Placed| {
+    let is_on = |placed: &&PlacedMark| {
         frontier.iter().any(|best| best.mark.observed() == placed.mark.observed() && ties(best.mark, placed.mark))
     };
     placed.iter().filter(is_on).map(|placed| placed.series).collect()
 }
 
-/// A line through the frontier, from the upper edge to the left one.
-fn frontier_steps(frontier: &[Placed], (left, top): Pixel) -> Vec<Pixel> {
+/// The line through the frontier, from the top edge to the left edge.
+fn frontier_steps(frontier: &[PlacedMark], (left, top): Pixel) -> Vec<Pixel> {
     let mut steps: Vec<Pixel> = Vec::new();
-    for &Placed { at: (x, y), .. } in frontier {
+    for &PlacedMark { at: (x, y), .. } in frontier {
         steps.extend([(x, steps.last().map_or(top, |&(_, above)| above)), (x, y)]);
     }
     steps.extend(steps.last().map(|&(_, last)| (left, last)));
     steps
 }
 
-/// The row of each name in a column at `x`, such that names are a line apart, near their targets, and no two leaders
-/// cross.
+/// The vertical position of each name in a column at `x`. Names are at least a line apart and near their targets, and
+/// no two leaders cross.
 fn name_rows(targets: &[Pixel], x: i32, rows: Range<i32>) -> Vec<i32> {
     let mut slots: Vec<i32> = targets.iter().map(|&(_, y)| y).collect();
     slots.sort_unstable();
@@ -366,7 +368,7 @@ fn name_rows(targets: &[Pixel], x: i32, rows: Range<i32>) -> Vec<i32> {
         most = *slot - LINE;
     }
 
-    // Two leaders that cross get shorter by exchanging their names, so that this ends, and ends without crossings.
+    // Two leaders that cross get shorter if their names are swapped. So the loop ends, and no leaders cross then.
     let length = |(tx, ty): Pixel, y: i32| f64::from(x - tx).hypot(f64::from(y - ty));
     let mut swapped = true;
     while swapped {
@@ -408,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn the_frontier_is_what_nothing_beats() {
+    fn the_frontier_holds_the_marks_that_no_other_beats() {
         let mark = |x: f64, value, bound| Mark {
             step: 0,
             x,
@@ -416,22 +418,24 @@ mod tests {
             value,
             bound,
             size: 5,
-            says: String::new(),
+            tooltip: String::new(),
         };
-        // Beaten: by the first, by an equal zero that is faster, in spite of the weaker bound of that one.
+        // The second is beaten by the first. The fourth is beaten by the third: both are zeros, and the third is
+        // faster; its weaker bound does not matter.
         let all = [
             mark(9.0, 50.0, false),
             mark(8.0, 60.0, false),
             mark(5.0, 7.0, true),
             mark(4.0, 3.0, true),
             mark(7.0, 9.0, false),
-            // As good as the second best, and not slower for sure; slower for sure; better for sure, but not as fast.
+            // Equal to the fifth and tied in speed; equal to the fifth and slower beyond the noise; worse, though tied
+            // in speed.
             mark(6.3, 9.0, false),
             mark(6.1, 9.0, false),
             mark(6.9, 10.0, false),
         ];
-        let placed: Vec<Placed> =
-            all.iter().enumerate().map(|(series, mark)| Placed { series, mark, at: (0, 0) }).collect();
+        let placed: Vec<PlacedMark> =
+            all.iter().enumerate().map(|(series, mark)| PlacedMark { series, mark, at: (0, 0) }).collect();
         let frontier = frontier(&placed);
         assert_eq!(frontier.iter().map(|placed| placed.series).collect::<Vec<_>>(), [0, 4, 2]);
         assert_eq!(with_ties(&placed, &frontier), [0, 2, 4, 5]);

@@ -1,4 +1,4 @@
-//! `peers.svg`: how fast each tracer is on each set of rays, in its fastest configuration; ours in its automatic mode.
+//! `peers.svg`: speed of each tracer on each set of rays, in its fastest configuration. raylanes runs in mode auto.
 
 use super::axis::LogAxis;
 use super::canvas::{canvas, header, header_height, machine};
@@ -11,29 +11,29 @@ use crate::study::record::{PeerRow, Record};
 
 const TITLE: &str = "Rays per second of raylanes and its peers: up is faster";
 
-/// Draws the one-thread figures, a panel for each scene.
+/// Draws a panel for each scene, with one-thread figures.
 pub(super) fn svg(record: &Record) -> String {
     let scenes: Vec<_> = record.peers.chunk_by(|a, b| a.scene == b.scene).collect();
     let panels: Vec<_> = scenes.iter().map(|rows| panel(rows)).collect();
     let (plot, width) = widths(panels.iter());
     let remarks = [machine(record) + ", one thread"];
     let top = header_height(width, TITLE, &remarks);
-    // Sets of rays have no distance from one another: places in equal ratios stand for them.
-    let places = NAMES.map(place);
+    // Sets of rays are no numbers. On the logarithmic axis, each gets a power of ten, so they are equally far apart.
+    let positions = NAMES.map(position);
     canvas((width, top + stack_height(&panels) + MARGIN), |root| {
         header(root, width, TITLE, &remarks)?;
-        let name = |&x: &f64| NAMES.into_iter().find(|name| place(name) == x);
+        let name = |&x: &f64| NAMES.into_iter().find(|name| position(name) == x);
         let x = XAxis {
-            axis: LogAxis::through(&places),
-            title: "rays, from those that run alike to those that have little in common".into(),
+            axis: LogAxis::through(&positions),
+            title: "sets of rays, from coherent to incoherent".into(),
             tick: &|x| name(&x).unwrap_or_default().into(),
         };
         draw_stack(root, &panels, &x, top, plot)
     })
 }
 
-/// Where a set of rays is on the axis.
-fn place(set: &str) -> f64 {
+/// The position of a set of rays on the axis.
+fn position(set: &str) -> f64 {
     let number = NAMES.iter().position(|name| *name == set).unwrap_or(NAMES.len());
     10f64.powi(number as i32)
 }
@@ -46,17 +46,17 @@ fn panel(rows: &[PeerRow]) -> Panel<'_> {
             None => series.push_mut(Series { id: &row.tracer, name: &row.tracer, marks: Vec::new() }),
         };
         if row.mrays_per_second > 0.0 && row.mrays_per_second.is_finite() {
-            // Steps that do not follow one another are not joined.
+            // Marks of non-consecutive steps are not joined by a line.
             let step = 2 * of_tracer.marks.len();
-            let (x, value) = (place(&row.rays), row.mrays_per_second);
-            let says = format!(
+            let (x, value) = (position(&row.rays), row.mrays_per_second);
+            let tooltip = format!(
                 "{}, {} rays: {} ± {} M rays/s",
                 row.configuration,
                 row.rays,
                 number(value, 3),
                 number(row.mrays_per_second_mad, 1)
             );
-            of_tracer.marks.push(Mark { step, x, spread: None, value, bound: false, size: 6, says });
+            of_tracer.marks.push(Mark { step, x, spread: None, value, bound: false, size: 6, tooltip });
         }
     }
     Panel {

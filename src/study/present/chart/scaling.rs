@@ -1,4 +1,4 @@
-//! `scaling.svg`: what a ray costs in one landscape of ever more triangles, and what that landscape does.
+//! `scaling.svg`: cost of a ray in a landscape with more and more triangles, and the landscape's build time and memory.
 
 use super::axis::LogAxis;
 use super::canvas::{canvas, header, header_height, machine};
@@ -8,10 +8,10 @@ use crate::study::figures::tracer::Growth;
 use crate::study::figures::{count, number, si};
 use crate::study::record::{Record, ScalingRow};
 
-const TITLE: &str = "Size: what a ray costs in one landscape of ever more triangles";
+const TITLE: &str = "Size: cost of a ray in a landscape with more and more triangles";
 const MARK: i32 = 5;
 
-/// Draws cost, build time and memory, over numbers of triangles.
+/// Draws cost, build time and memory against the number of triangles.
 pub(super) fn svg(record: &Record) -> String {
     let all = Growth::all(record);
     let panels = panels(&all);
@@ -39,7 +39,7 @@ fn panels<'a>(all: &[Growth<'a>]) -> [Panel<'a>; 3] {
         frontier: false,
         series,
     };
-    // The scene's own figures are the same in all of its rows.
+    // Build time and memory are the same for all sets of rays, so the first set is enough.
     let of_scene = |name, unit, figure: fn(&ScalingRow) -> f64| {
         let rows = all.first().map(|growth| growth.rows.as_slice()).unwrap_or_default();
         vec![Series { id: name, name, marks: marks(rows, unit, figure) }]
@@ -56,7 +56,7 @@ fn panels<'a>(all: &[Growth<'a>]) -> [Panel<'a>; 3] {
                 .collect(),
         ),
         panel(
-            "nanoseconds of building per triangle",
+            "build time in nanoseconds per triangle",
             of_scene("build", "ns per triangle", |row| row.build_seconds * 1e9 / size(row)),
         ),
         panel("bytes per triangle", of_scene("memory", "bytes per triangle", |row| row.bytes_per_triangle)),
@@ -66,8 +66,8 @@ fn panels<'a>(all: &[Growth<'a>]) -> [Panel<'a>; 3] {
 fn marks(rows: &[&ScalingRow], unit: &str, figure: fn(&ScalingRow) -> f64) -> Vec<Mark> {
     let mark = |(step, row): (usize, &&ScalingRow)| {
         let value = Some(figure(row)).filter(|&value| value > 0.0 && value.is_finite())?;
-        let says = format!("{} triangles: {} {unit}", count(row.triangles as u64), number(value, 3));
-        Some(Mark { step, x: size(row), spread: None, value, bound: false, size: MARK, says })
+        let tooltip = format!("{} triangles: {} {unit}", count(row.triangles as u64), number(value, 3));
+        Some(Mark { step, x: size(row), spread: None, value, bound: false, size: MARK, tooltip })
     };
     rows.iter().enumerate().filter_map(mark).collect()
 }

@@ -1,5 +1,5 @@
-//! `speed-accuracy.svg`: every kernel's speed against its error of `t` over ordinary rays, and against the rays it loses
-//! where they are hardest to keep.
+//! `speed-accuracy.svg`: speed of every kernel against its error of `t` on generic rays, and against the rays that it
+//! loses on the workloads aimed at losses.
 
 use super::axis::LogAxis;
 use super::canvas::{Area, Drawn, canvas, centered, header, header_height, heading, label, machine};
@@ -8,31 +8,31 @@ use super::look::Look;
 use super::panel::{
     Frame, Mark, Panel, Series, XAxis, draw_stack, frontier_sample, names_width, stack_height, whisker, widths,
 };
-use crate::study::figures::{Figures, Group, Loss, count, number, si};
+use crate::study::figures::{Group, KernelFigures, Loss, count, number, si};
 use crate::study::record::Record;
 
-/// The faces of a kernel, slower first, with half the size of their marks.
-const FACES: [(&str, i32); 2] = [(SCALAR, 4), (PACKET, 6)];
+/// The widths that are shown, slower first, with half the size of their marks.
+const WIDTHS: [(&str, i32); 2] = [(SCALAR, 4), (PACKET, 6)];
 const SCALAR: &str = "1x1";
 const PACKET: &str = "8x1";
 
 const TITLE: &str = "Speed against accuracy: right is faster, down is more accurate";
 const LEGEND_HEIGHT: i32 = 2 * LINE + 12;
 const GROUP_TITLE: i32 = 30;
-const SPEED: &str = "speed: million tests per second, one thread (to the right: faster)";
+const SPEED: &str = "speed: million tests per second, one thread (right is faster)";
 
-/// Space between two plots side by side, for the figures of the second.
+/// Space between two plots side by side, for the tick labels of the second one.
 const BETWEEN: i32 = 56;
-/// Plots get no narrower than this.
+/// Minimum width of a plot.
 const NARROWEST: i32 = 280;
 const ROW_TITLE: i32 = 24;
 const ROW_FIGURES: i32 = 26;
 
-/// The families, the one that most pictures are made of first.
+/// The order of the families: triangles first, because most pictures are made of them.
 const ORDER: [&str; 3] = ["triangle", "aabb", "quadric"];
 
-/// Draws the one-thread figures of these groups for a first glance: a row for each, two plots over the same speeds side by
-/// side, and the names once.
+/// Draws an overview of these groups, one thread: a row for each group, with two plots side by side over the same
+/// speeds, and the names once.
 pub(super) fn overview(record: &Record, groups: &[&Group]) -> String {
     let mut groups = groups.to_vec();
     groups.sort_by_key(|group| ORDER.iter().position(|family| *family == group.title).unwrap_or(ORDER.len()));
@@ -65,12 +65,12 @@ pub(super) fn overview(record: &Record, groups: &[&Group]) -> String {
     })
 }
 
-/// A family by the name that readers look for.
+/// A family's name in words that readers look for.
 fn family<'a>(group: &'a Group) -> &'a str {
     if group.title == "aabb" { "box (aabb)" } else { &group.title }
 }
 
-/// Draws the one-thread figures of these groups, two panels over the same speeds for each.
+/// Draws these groups at full length, one thread: for each group, two panels over the same speeds.
 pub(super) fn stacked(record: &Record, groups: &[&Group]) -> String {
     let panels: Vec<_> = groups.iter().map(|group| panels(group, at_length(group))).collect();
     let (plot, width) = widths(panels.iter().flatten());
@@ -91,7 +91,7 @@ pub(super) fn stacked(record: &Record, groups: &[&Group]) -> String {
     })
 }
 
-/// Titles in a few words, with the numbers of rays.
+/// Short titles of the two panels, with the numbers of rays.
 fn briefly(group: &Group) -> [String; 2] {
     let of = |what: &str, numbers: Vec<u64>| match (numbers.iter().min(), numbers.iter().max()) {
         (Some(least), Some(most)) if least < most => {
@@ -109,13 +109,13 @@ fn briefly(group: &Group) -> [String; 2] {
     [of("error of t (ulp), 99th percentile", hits.collect()), of(lost, rays.collect())]
 }
 
-/// The same, as they stand in the report.
+/// Long titles of the two panels, as in the report.
 fn at_length(group: &Group) -> [String; 2] {
-    let error = "99th percentile of the error of t, in units in the last place (ulp), generic rays";
+    let error = "99th percentile of the error of t on generic rays, in units in the last place (ulp)";
     [error.into(), group.lost_means()]
 }
 
-/// The axis of all speeds of a group.
+/// The horizontal axis, over all speeds of a group.
 fn speeds<'a>(panels: &[Panel]) -> XAxis<'a> {
     let marks = panels.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.marks);
     XAxis {
@@ -125,70 +125,81 @@ fn speeds<'a>(panels: &[Panel]) -> XAxis<'a> {
     }
 }
 
-/// What the marks mean.
+/// Draws the meaning of the marks.
 fn legend(root: &Area, top: i32) -> Drawn {
     let look = Look::neutral();
     let rows = [top + LINE / 2, top + LINE / 2 + LINE + 4];
     let columns = [MARGIN + 8, MARGIN + 290];
     for (column, row, size, hollow, meaning) in [
-        (0, 0, FACES[0].1, false, "small: scalar, one ray at a time"),
-        (0, 1, FACES[1].1, false, "large: packet of eight, ± MAD"),
-        (1, 0, 5, true, "hollow: none in n rays, drawn at 3/n, the 95 % bound (one or two lie below it)"),
+        (0, 0, WIDTHS[0].1, false, "small: scalar, one ray at a time"),
+        (0, 1, WIDTHS[1].1, false, "large: packet of eight, ± MAD"),
+        (1, 0, 5, true, "hollow: no event in n rays, drawn at the 95 % bound, 3/n (one or two events lie below it)"),
     ] {
         look.mark(root, (columns[column], rows[row]), size, hollow)?;
         root.draw_text(meaning, &label(TEXT, INK), (columns[column] + 20, rows[row]))?;
     }
     whisker(root, [(columns[0] - 12, rows[1]), (columns[0] + 12, rows[1])], look)?;
     frontier_sample(root, (columns[1] - 8, rows[1] + 2))?;
-    let meaning =
-        "frontier (bold: on it, or tied with one that is): nothing is both faster and as accurate; the shade is beaten";
+    let meaning = "frontier (bold names: on it, or tied); shaded: some kernel is both faster and at least as accurate";
     root.draw_text(meaning, &label(TEXT, INK), (columns[1] + 24, rows[1]))
 }
 
-/// The panels of a group: the error of `t`, and lost rays.
+/// The two panels of a group: the error of `t`, and lost rays.
 fn panels<'a>(group: &'a Group, [error, lost]: [String; 2]) -> [Panel<'a>; 2] {
-    let rate = |kernel: &Figures| kernel.lost.map(|lost| (lost.or_bound(), lost.per_million == 0.0));
-    let ulp = |kernel: &Figures| kernel.ulp().map(|ulp| (ulp as f64, false));
+    let rate = |kernel: &KernelFigures| kernel.lost.map(|lost| (lost.or_bound(), lost.per_million == 0.0));
+    let ulp = |kernel: &KernelFigures| kernel.ulp().map(|ulp| (ulp as f64, false));
     let panel = |title: String, possible, series| Panel { title, possible, threshold: None, frontier: true, series };
     [panel(error, 1.0..=f64::INFINITY, series(group, ulp)), panel(lost, 0.0..=1e6, series(group, rate))]
 }
 
-/// The series of a group; `value` gives what is plotted, and whether it is a bound.
-fn series<'a>(group: &'a Group, value: impl Fn(&Figures) -> Option<(f64, bool)>) -> Vec<Series<'a>> {
+/// The series of a group. `value` gives the plotted value of a kernel, and whether it is a bound.
+fn series<'a>(group: &'a Group, value: impl Fn(&KernelFigures) -> Option<(f64, bool)>) -> Vec<Series<'a>> {
     let series = group.kernels.iter().map(|kernel| {
-        let mark = |(step, &(face, size)): (usize, &(&str, i32))| {
+        let mark = |(step, &(width, size)): (usize, &(&str, i32))| {
             let (value, bound) = value(kernel)?;
-            let x = kernel.mtests(face, 1).filter(|&speed| speed > 0.0 && speed.is_finite())?;
-            Some(Mark { step, x, spread: spread(kernel, face), value, bound, size, says: says(group, kernel, face) })
+            let x = kernel.mtests(width, 1).filter(|&speed| speed > 0.0 && speed.is_finite())?;
+            Some(Mark {
+                step,
+                x,
+                spread: spread(kernel, width),
+                value,
+                bound,
+                size,
+                tooltip: tooltip(group, kernel, width),
+            })
         };
-        Series { id: &kernel.kernel.id, name: &kernel.name, marks: FACES.iter().enumerate().filter_map(mark).collect() }
+        Series {
+            id: &kernel.method.id,
+            name: &kernel.name,
+            marks: WIDTHS.iter().enumerate().filter_map(mark).collect(),
+        }
     });
     series.collect()
 }
 
-/// From where to where a packet's speed may as well be, by the median absolute deviation of its times.
-fn spread(kernel: &Figures, face: &str) -> Option<[f64; 2]> {
-    let row = kernel.speed(face, 1).filter(|_| face == PACKET)?;
+/// The range of a packet's speed within the median absolute deviation of its times; `None` for scalar code.
+fn spread(kernel: &KernelFigures, width: &str) -> Option<[f64; 2]> {
+    let row = kernel.speed(width, 1).filter(|_| width == PACKET)?;
     let ns = [row.ns_per_test + row.ns_per_test_mad, row.ns_per_test - row.ns_per_test_mad];
-    // Noise may be as great as the time.
+    // The noise may be as large as the time.
     Some(ns.map(|ns| 1e3 / ns.max(row.ns_per_test / 100.0)))
 }
 
-/// All that there is to say of a face of a kernel.
-fn says(group: &Group, kernel: &Figures, face: &str) -> String {
-    let mut says = if face == PACKET { "packet of 8 rays" } else { "1 ray" }.to_owned();
-    if let Some(row) = kernel.speed(face, 1) {
+/// The tooltip of a mark: speed, error and lost rays of a kernel at a width.
+fn tooltip(group: &Group, kernel: &KernelFigures, width: &str) -> String {
+    let mut text = if width == PACKET { "packet of 8 rays" } else { "1 ray" }.to_owned();
+    if let Some(row) = kernel.speed(width, 1) {
         let mtests = row.tests_per_second / 1e6;
         let mad = mtests * row.ns_per_test_mad / row.ns_per_test;
-        says += &format!(": {} ± {} M tests/s", number(mtests, 3), number(mad, 1));
+        text += &format!(": {} ± {} M tests/s", number(mtests, 3), number(mad, 1));
     }
     if let Some(ulp) = kernel.ulp() {
-        says += &format!(", error of t {} ulp", count(ulp));
+        text += &format!(", error of t {} ulp", count(ulp));
     }
     if let Some(lost) = kernel.lost {
-        says += &format!(", {} {lost} per million", if group.loss == Loss::Leaks { "leaks" } else { "lost" });
+        text += &format!(", {} {lost} per million", if group.loss == Loss::Leaks { "leaks" } else { "lost" });
     }
-    says
+    text
 }
 
 #[cfg(test)]
@@ -197,7 +208,7 @@ mod tests {
     use crate::study::figures::groups;
     use crate::study::tests::fixture::{all_ids, record_of};
 
-    /// The overview, and the panels above one another.
+    /// The overview, and the stack of panels.
     fn charts(record: &Record) -> [String; 2] {
         let groups = groups(record);
         let groups: Vec<_> = groups.iter().collect();
@@ -223,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn the_overview_fits_a_screen_and_begins_with_triangles() {
+    fn the_overview_fits_a_screen_and_starts_with_triangles() {
         let record = record_of(&all_ids());
         let groups = groups(&record);
         let bases: Vec<_> = groups.iter().filter(|group| group.is_base()).rev().collect();
@@ -238,10 +249,10 @@ mod tests {
     }
 
     #[test]
-    fn marks_say_kernel_width_and_figures() {
+    fn tooltips_name_kernel_width_and_figures() {
         let mut record = record_of(&["triangle/cramer".into(), "triangle/woop".into()]);
         for row in &mut record.speed {
-            let packet = row.face == "8x1";
+            let packet = row.width == "8x1";
             (row.tests_per_second, row.ns_per_test, row.ns_per_test_mad) = (if packet { 8e8 } else { 2e8 }, 2.0, 0.02);
         }
         for row in &mut record.accuracy {
@@ -255,7 +266,7 @@ mod tests {
                 occurrences(svg, "triangle/cramer, 1 ray: 200 ± 2 M tests/s, error of t 7 ulp, leaks 12.0 per"),
                 2
             );
-            // In one place with the other in the one panel, and alone in the other.
+            // In one panel both kernels share the place of a mark; in the other each has its own.
             assert_eq!(occurrences(svg, &format!(" leaks 0 (&lt; 4.8) per million\n{cramer}")), 1);
             assert_eq!(occurrences(svg, &format!("<title>{cramer}")), 1);
         }
@@ -267,7 +278,7 @@ mod tests {
         record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 0.0);
         let with_zero = charts(&record);
         record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 10.0);
-        // An arrow for each of two faces.
+        // One arrow for each of the two widths.
         for (with_zero, without) in with_zero.iter().zip(&charts(&record)) {
             let [with_zero, without] = [with_zero, without].map(|svg| occurrences(svg, "l3 3 3-3"));
             assert_eq!(with_zero, without + 2);
@@ -275,11 +286,11 @@ mod tests {
     }
 
     #[test]
-    fn only_a_zero_is_labelled_so() {
+    fn a_bound_below_one_is_not_labelled_as_zero() {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.accuracy.iter_mut().for_each(|row| (row.mesh_hits, row.leak_per_million) = (30_000_000, 0.0));
         record.accuracy.iter_mut().for_each(|row| row.t_ulp_p99 = 1);
-        assert!(charts(&record).iter().all(|svg| occurrences(svg, ">0<") == 0), "a bound of 0.1 is none");
+        assert!(charts(&record).iter().all(|svg| occurrences(svg, ">0<") == 0), "a bound of 0.1 is not 0");
         record.accuracy.iter_mut().for_each(|row| row.t_ulp_p99 = 0);
         assert!(charts(&record).iter().all(|svg| occurrences(svg, ">0<") == 1));
     }

@@ -1,24 +1,25 @@
-//! `stability-<family>-<regime>.svg`: what goes wrong with each kernel as a regime gets harder, easy at the left.
+//! `stability-<family>-<regime>.svg`: errors of each kernel as a regime gets harder, from left to right.
 
 use super::axis::LogAxis;
 use super::canvas::{Area, Drawn, canvas, header, header_height, label, machine};
 use super::layout::{INK, LINE, MARGIN, Pixel, TEXT};
 use super::look::{Look, line};
 use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, threshold_sample, widths};
-use crate::study::figures::failures::{Figure, Measure};
-use crate::study::figures::{Figures, Group, count, severity};
+use crate::study::figures::failures::{Figure, Metric};
+use crate::study::figures::{Group, KernelFigures, count, severity};
 use crate::study::record::{Record, RegimeRow};
 
-const BOUND: &str = "Where none was wrong in n rays, 3/n is the 95 % bound; one or two that were lie below it.";
+const BOUND: &str = "A hollow mark means no event in n rays. It is drawn at the 95 % bound, 3/n. One or two events lie \
+                     below it.";
 const MARK: i32 = 5;
 const LEGEND_HEIGHT: i32 = LINE + 12;
 
-/// Draws a regime: a panel for each of its measures, over its severities.
+/// Draws a regime: a panel for each of its metrics, against its severities.
 pub(super) fn svg(record: &Record, group: &Group, regime: &RegimeRow) -> String {
-    let panels: Vec<_> = measures(group, regime).map(|measure| panel(group, regime, measure)).collect();
+    let panels: Vec<_> = metrics(group, regime).map(|metric| panel(group, regime, metric)).collect();
     let (plot, width) = widths(panels.iter());
-    let title = format!("{}, {}: {}", group.subject, regime.name.replace('_', " "), regime.about);
-    let remarks = [BOUND.to_owned(), machine(record)];
+    let title = format!("{}: {}", group.subject, regime.name.replace('_', " "));
+    let remarks = [regime.about.clone(), BOUND.to_owned(), machine(record)];
     let top = header_height(width, &title, &remarks) + LEGEND_HEIGHT;
     canvas((width, top + stack_height(&panels) + MARGIN), |root| {
         let below = header(root, width, &title, &remarks)?;
@@ -32,18 +33,18 @@ pub(super) fn svg(record: &Record, group: &Group, regime: &RegimeRow) -> String 
     })
 }
 
-/// Those of which there is anything to show: empty boxes, for example, cannot be lost.
-fn measures(group: &Group, regime: &RegimeRow) -> impl Iterator<Item = Measure> {
-    let shown = |measure: &Measure| group.kernels.iter().any(|kernel| !marks(kernel, regime, *measure).is_empty());
-    Measure::of(regime).iter().copied().filter(shown)
+/// The metrics that have data. Empty boxes, for example, cannot be lost.
+fn metrics(group: &Group, regime: &RegimeRow) -> impl Iterator<Item = Metric> {
+    let has_data = |metric: &Metric| group.kernels.iter().any(|kernel| !marks(kernel, regime, *metric).is_empty());
+    Metric::of(regime).iter().copied().filter(has_data)
 }
 
-/// What is where on the axis.
+/// Which end of the axis is easy, in words.
 fn direction(steps: &[f64]) -> &'static str {
-    // What spans the unit by far is hard at both of its ends.
+    // A regime that goes far below and far above the unit is hard at both ends.
     match (steps.first(), steps.last()) {
-        (Some(..0.1), Some(10.0..)) => "small at the left, great at the right, and easy in the middle",
-        _ => "easy at the left, hard at the right",
+        (Some(..0.1), Some(10.0..)) => "small on the left, large on the right, easy in the middle",
+        _ => "easy on the left, hard on the right",
     }
 }
 
@@ -51,43 +52,43 @@ fn legend(root: &Area, top: i32) -> Drawn {
     let y = top + LINE / 2;
     let entry = |x: i32, meaning: &str| root.draw_text(meaning, &label(TEXT, INK), (x, y));
     Look::neutral().mark(root, (MARGIN + 8, y), MARK, true)?;
-    entry(MARGIN + 24, "hollow: none in n rays, drawn at 3/n")?;
+    entry(MARGIN + 24, "hollow: no event in n rays, drawn at 3/n")?;
     let x = MARGIN + 300;
     let ends: [Pixel; 2] = [(x, y), (x + 36, y)];
     line(root, &ends, &[0, 1, 2].map(|i| (None, Look::of(i))))?;
-    entry(x + 44, "striped: kernels with the same figures, marks in turn")?;
+    entry(x + 44, "striped: kernels with equal figures, marks alternate")?;
     let x = x + 420;
     threshold_sample(root, (x, y))?;
-    entry(x + 32, "above this line: it fails")
+    entry(x + 32, "above this line, a kernel fails")
 }
 
-fn panel<'a>(group: &'a Group, regime: &RegimeRow, measure: Measure) -> Panel<'a> {
-    let possible = if measure == Measure::Ulp { 1.0..=f64::INFINITY } else { 0.0..=1e6 };
+fn panel<'a>(group: &'a Group, regime: &RegimeRow, metric: Metric) -> Panel<'a> {
+    let possible = if metric == Metric::Ulp { 1.0..=f64::INFINITY } else { 0.0..=1e6 };
     let series = group.kernels.iter().map(|kernel| Series {
-        id: &kernel.kernel.id,
+        id: &kernel.method.id,
         name: &kernel.name,
-        marks: marks(kernel, regime, measure),
+        marks: marks(kernel, regime, metric),
     });
     Panel {
-        title: measure.title().into(),
+        title: metric.title().into(),
         possible,
-        threshold: measure.limit(),
+        threshold: metric.limit(),
         frontier: false,
         series: series.collect(),
     }
 }
 
-fn marks(kernel: &Figures, regime: &RegimeRow, measure: Measure) -> Vec<Mark> {
+fn marks(kernel: &KernelFigures, regime: &RegimeRow, metric: Metric) -> Vec<Mark> {
     let mark = |(step, &x): (usize, &f64)| {
-        let figure = measure.figure(kernel.at_step(&regime.name, x)?)?;
+        let figure = metric.figure(kernel.at_step(&regime.name, x)?)?;
         let (value, bound, unit) = match figure {
             Figure::Rate(rate) => {
                 (rate.or_bound(), rate.per_million == 0.0, format!(" per million, n = {}", count(rate.of)))
             }
             Figure::Ulp(ulp) => (ulp as f64, false, " ulp".into()),
         };
-        let says = format!("1 ray or 8, at {}: {} {figure}{unit}", severity(x), measure.name());
-        Some(Mark { step, x, spread: None, value, bound, size: MARK, says })
+        let tooltip = format!("scalar and packet, at {}: {} {figure}{unit}", severity(x), metric.name());
+        Some(Mark { step, x, spread: None, value, bound, size: MARK, tooltip })
     };
     regime.steps.iter().enumerate().filter_map(mark).collect()
 }
@@ -112,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_severity_may_be_zero_and_is_at_the_right() {
+    fn a_severity_of_zero_is_on_the_right() {
         let mut record = record_of(&all_ids());
         record.accuracy.iter_mut().for_each(|row| row.t_ulp_p99 += 1);
         let svg = chart(&record, "grazing");
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_zero_rate_is_a_bound_and_a_missing_figure_a_gap() {
+    fn a_zero_rate_is_drawn_as_a_bound_and_a_missing_figure_as_a_gap() {
         let ids = ["triangle/cramer".to_owned()];
         let arrows = |svg: &str| svg.matches("l3 3 3-3").count();
         let lines = |svg: &str| {
@@ -139,21 +140,21 @@ mod tests {
         (record.accuracy[step].false_miss_per_million, record.accuracy[step].false_hit_per_million) = (0.0, 0.0);
         assert_eq!(arrows(&chart(&record, "sliver")), arrows(&without) + 1);
         record.accuracy.remove(step);
-        // The line goes on beyond the gap in each of two panels.
+        // In each of the two panels, the line is split at the gap.
         assert_eq!(lines(&chart(&record, "sliver")), lines(&without) + 2);
     }
 
     #[test]
-    fn meshes_leak_and_double_and_boxes_lose() {
+    fn every_metric_of_a_regime_has_a_panel() {
         let record = record_of(&all_ids());
-        for (regime, measures) in [
-            ("vertex_fan", vec![Measure::Leak, Measure::Double, Measure::Ulp]),
-            ("flat", vec![Measure::Lost, Measure::FalseHit, Measure::Ulp]),
-            ("sliver", vec![Measure::Wrong, Measure::Ulp]),
+        for (regime, metrics) in [
+            ("vertex_fan", vec![Metric::Leak, Metric::DoubleHit, Metric::Ulp]),
+            ("flat", vec![Metric::Lost, Metric::FalseHit, Metric::Ulp]),
+            ("sliver", vec![Metric::Wrong, Metric::Ulp]),
         ] {
             let svg = chart(&record, regime);
-            let shown = |measure: &Measure| svg.contains(measure.title());
-            assert!(measures.iter().all(shown), "{regime}");
+            let shown = |metric: &Metric| svg.contains(metric.title());
+            assert!(metrics.iter().all(shown), "{regime}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! The backend that plotters draws with. Its own writes one element for each dash, all attributes each time, and has no
-//! titles; this one joins what follows one another in the same style, leaves out what SVG assumes anyway, and gathers
-//! [hover targets](super::hover).
+//! The SVG backend that plotters draws with. The one that comes with plotters writes one element for each dash, repeats
+//! all attributes, and has no tooltips. This one joins consecutive paths of the same style, leaves out attributes with
+//! default values, and collects [hover targets](super::hover).
 
 use super::layout::{Pixel, TEXT};
 use std::convert::Infallible;
@@ -14,19 +14,19 @@ use plotters_backend::{
 
 type Done = Result<(), DrawingErrorKind<Infallible>>;
 
-/// Text sizes are given in plotters' measure, which is this much greater than that of SVG.
+/// A text size in plotters is this multiple of the same size in SVG.
 pub(super) const FONT_SCALE: f64 = 1.24;
 
-/// Writes an SVG into a string when it is [presented](DrawingBackend::present).
+/// A drawing backend that writes an SVG into a string when it is [presented](DrawingBackend::present).
 pub(super) struct Svg<'a> {
     target: &'a mut String,
     size: (u32, u32),
     body: String,
-    /// What is not yet written since more of its style may follow: attributes, and path data.
+    /// A path that is not written yet, because more of the same style may follow: its attributes and its data.
     path: (String, String),
-    /// What marks and lines are [of](Of), in the order of their first appearance.
+    /// All subjects (see [`SubjectGroup`]), in the order of their first appearance.
     subjects: Vec<String>,
-    /// Of what is being drawn.
+    /// The subject that is being drawn.
     subject: Option<usize>,
     hover: String,
 }
@@ -44,7 +44,7 @@ impl<'a> Svg<'a> {
         }
     }
 
-    /// The number that stands for a subject.
+    /// The number of a subject. A new subject gets the next number.
     pub(super) fn number_of(&mut self, subject: &str) -> usize {
         self.subjects.iter().position(|known| known == subject).unwrap_or_else(|| {
             self.subjects.push(subject.to_owned());
@@ -52,7 +52,7 @@ impl<'a> Svg<'a> {
         })
     }
 
-    /// Adds an element to those that lie above all others, unseen, and are hovered over.
+    /// Adds a hover target. Hover targets are invisible and lie above everything else.
     pub(super) fn hover(&mut self, element: &str) {
         self.hover += element;
     }
@@ -64,8 +64,8 @@ impl<'a> Svg<'a> {
         Ok(())
     }
 
-    /// Adds to the path before if that has the same attributes. What is translucent stays apart: it adds up where it
-    /// overlaps.
+    /// Adds to the previous path if it has the same attributes. Translucent paths stay separate, because their colours
+    /// add up where they overlap.
     fn path(&mut self, color: BackendColor, attributes: String, data: &str) -> Done {
         if color.alpha == 0.0 {
             return Ok(());
@@ -95,13 +95,13 @@ impl<'a> Svg<'a> {
     }
 }
 
-/// Path data of connected lines, each point relative to the one before.
+/// Path data of connected lines. Each point is relative to the one before.
 fn joined(points: impl IntoIterator<Item = Pixel>) -> String {
     let mut data = String::new();
     let mut last = (0, 0);
     for (i, (x, y)) in points.into_iter().enumerate() {
         let (dx, dy) = (x - last.0, y - last.1);
-        // A minus separates as a space does.
+        // A minus sign separates two numbers, so no space is needed before it.
         let command = match i {
             0 => "M",
             1 => "l",
@@ -109,7 +109,7 @@ fn joined(points: impl IntoIterator<Item = Pixel>) -> String {
             _ => " ",
         };
         let space = if dy < 0 { "" } else { " " };
-        write!(data, "{command}{dx}{space}{dy}").expect("a string takes whatever is written to it");
+        write!(data, "{command}{dx}{space}{dy}").expect("writing to a string cannot fail");
         last = (x, y);
     }
     data
@@ -119,7 +119,7 @@ fn joined(points: impl IntoIterator<Item = Pixel>) -> String {
 fn paint(attribute: &str, color: BackendColor) -> String {
     let (r, g, b) = color.rgb;
     let opacity = if color.alpha < 1.0 { format!(" opacity=\"{}\"", color.alpha) } else { String::new() };
-    // Two equal digits may be written as one.
+    // SVG has a short form for pairs of equal digits.
     let color = match [r, g, b] {
         rgb if rgb.iter().all(|value| value % 17 == 0) => format!("{:X}{:X}{:X}", r / 17, g / 17, b / 17),
         _ => format!("{r:02X}{g:02X}{b:02X}"),
@@ -127,7 +127,7 @@ fn paint(attribute: &str, color: BackendColor) -> String {
     format!(" {attribute}=\"#{color}\"{opacity}")
 }
 
-/// Text as it stands in XML and HTML, also within an attribute.
+/// Text with special characters escaped for XML and HTML, also within attributes.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -145,11 +145,11 @@ impl DrawingBackend for Svg<'_> {
 
     fn present(&mut self) -> Done {
         self.end_path();
-        debug_assert!(self.subject.is_none(), "what is of a subject ends before the chart does");
+        debug_assert!(self.subject.is_none(), "the last subject group must be ended");
         let (width, height) = self.size;
         *self.target = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-             fill=\"none\" font-family=\"sans-serif\" font-size=\"{TEXT}\">\n{}",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
+             {height}\" fill=\"none\" font-family=\"sans-serif\" font-size=\"{TEXT}\">\n{}",
             self.body
         );
         if !self.hover.is_empty() {
@@ -213,10 +213,11 @@ impl DrawingBackend for Svg<'_> {
     }
 }
 
-/// Begins what is of a subject, a kernel for example, or of none: what is of one can be told from what is of others.
-pub(super) struct Of<'a>(pub(super) Option<&'a str>);
+/// Starts the elements of a subject, such as a kernel, or of none. Elements of one subject form groups with its number,
+/// so that a script can tell them from others.
+pub(super) struct SubjectGroup<'a>(pub(super) Option<&'a str>);
 
-impl<'a> PointCollection<'a, Pixel> for &'a Of<'_> {
+impl<'a> PointCollection<'a, Pixel> for &'a SubjectGroup<'_> {
     type Point = Pixel;
     type IntoIter = [Pixel; 0];
 
@@ -225,7 +226,7 @@ impl<'a> PointCollection<'a, Pixel> for &'a Of<'_> {
     }
 }
 
-impl Drawable<Svg<'_>> for Of<'_> {
+impl Drawable<Svg<'_>> for SubjectGroup<'_> {
     fn draw<I: Iterator<Item = Pixel>>(&self, _: I, svg: &mut Svg, _: (u32, u32)) -> Done {
         let subject = self.0.map(|subject| svg.number_of(subject));
         if subject == svg.subject {
@@ -239,13 +240,13 @@ impl Drawable<Svg<'_>> for Of<'_> {
     }
 }
 
-/// A line in dashes.
+/// A dashed line.
 pub(super) struct Dashed<'a, S> {
     pub(super) points: &'a [Pixel],
     pub(super) style: S,
-    /// Pixels drawn and left out, in turn; none: a solid line.
+    /// Lengths of dashes and gaps in pixels, alternating. Empty for a solid line.
     pub(super) pattern: &'a [f64],
-    /// Pixels of the pattern that come before the line begins.
+    /// Length of the pattern, in pixels, that is skipped at the start of the line.
     pub(super) phase: f64,
 }
 
@@ -277,7 +278,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_follows_in_the_same_style_is_one_path() {
+    fn consecutive_paths_of_the_same_style_are_joined() {
         let line = |x, color: RGBAColor| {
             let style = ShapeStyle { color, filled: false, stroke_width: 2 };
             PathElement::new([(x, 5), (x + 2, 4), (x, 9)], style)
@@ -286,7 +287,7 @@ mod tests {
             for (x, color) in [(10, RED), (20, RED), (30, BLACK), (40, RED)] {
                 root.draw(&line(x, color.into()))?;
             }
-            // Translucent ones add up where they overlap.
+            // Translucent colours add up where they overlap.
             (0..2).try_for_each(|_| root.draw(&line(60, RED.mix(0.5))))
         });
         let paths: Vec<_> = svg.lines().filter(|line| line.starts_with("<path stroke")).collect();
@@ -301,17 +302,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_of_a_subject_is_marked_so() {
-        let text = |root: &Area, of| {
-            root.draw(&Of(of))?;
+    fn elements_of_a_subject_are_grouped_under_its_number() {
+        let text = |root: &Area, subject| {
+            root.draw(&SubjectGroup(subject))?;
             root.draw_text("<&>", &label(TEXT, BLACK), (1, 2))
         };
         let svg = canvas((100, 50), |root| {
-            [Some("a"), Some("a"), Some("b"), None, Some("a"), None].iter().try_for_each(|of| text(root, *of))
+            [Some("a"), Some("a"), Some("b"), None, Some("a"), None].iter().try_for_each(|subject| text(root, *subject))
         });
-        let marked =
+        let grouped =
             svg.replace("<text x=\"1\" y=\"2\" dy=\"0.5ex\" fill=\"#000\">&lt;&amp;&gt;</text>", "T").replace('\n', "");
-        let (_, body) = marked.split_once("z\"/>").unwrap();
+        let (_, body) = grouped.split_once("z\"/>").unwrap();
         assert_eq!(body, "<g data-of=\"0\">TT</g><g data-of=\"1\">T</g>T<g data-of=\"0\">T</g>T</svg>",);
     }
 }

@@ -1,19 +1,20 @@
-//! Which kernel to use of each group, and what the figures in that table mean.
+//! The table that says which kernel of each group to use, and the legend of its figures.
 
-use crate::study::figures::{Figures, Group, Loss, MISSING, count, number, tied, times};
+use crate::study::figures::{Group, KernelFigures, Loss, MISSING, count, number, tied, times};
 use crate::study::present::grid::{Cell, Grid};
 use crate::study::record::SpeedRow;
 
+/// The section on which kernel to use.
 pub(super) fn advice(groups: &[Group]) -> String {
     format!("## Which kernel\n\n{}", advice_table(groups))
 }
 
-/// What to use of each group: by speed, by lost rays and by the error of `t`.
+/// For each group: the fastest kernel, the one that loses the fewest rays, and the one with the most accurate `t`.
 pub(crate) fn advice_table(groups: &[Group]) -> String {
     let header = ["kernels", "fastest in packets (8x1)", "fewest lost rays", "most accurate `t`"];
     let mut grid = Grid::new(header.len(), header);
     for group in groups {
-        let mut timed: Vec<(&Figures, &SpeedRow)> =
+        let mut timed: Vec<(&KernelFigures, &SpeedRow)> =
             group.kernels.iter().filter_map(|kernel| Some((kernel, kernel.speed("8x1", 1)?))).collect();
         timed.sort_by(|(_, a), (_, b)| a.ns_per_test.total_cmp(&b.ns_per_test));
         let cells = [fastest(&timed), fewest_lost(&timed), most_accurate(&timed)];
@@ -24,8 +25,8 @@ pub(crate) fn advice_table(groups: &[Group]) -> String {
     grid.markdown()
 }
 
-/// The kernels of a group, fastest first.
-type Timed<'a> = [(&'a Figures<'a>, &'a SpeedRow)];
+/// The timed kernels of a group, fastest first.
+type Timed<'a> = [(&'a KernelFigures<'a>, &'a SpeedRow)];
 
 fn fastest(timed: &Timed) -> Option<String> {
     let &(kernel, row) = timed.first()?;
@@ -35,12 +36,12 @@ fn fastest(timed: &Timed) -> Option<String> {
         "**`{}`** {} M/s{lost}{}",
         kernel.name,
         number(row.tests_per_second / 1e6, 3),
-        list("a tie with", ties)
+        list("tied with", ties)
     ))
 }
 
 fn fewest_lost(timed: &Timed) -> Option<String> {
-    // A zero over more rays says more, but not that another zero is worse.
+    // All zeros count as equal, however many rays they stand for.
     best(timed, |kernel| kernel.lost.map(|lost| lost.per_million), |kernel| kernel.lost.map(|lost| lost.to_string()))
 }
 
@@ -48,24 +49,25 @@ fn most_accurate(timed: &Timed) -> Option<String> {
     best(timed, |kernel| kernel.ulp().map(|ulp| ulp as f64), |kernel| Some(format!("{} ulp", count(kernel.ulp()?))))
 }
 
-/// The fastest of the kernels with the least `figure`, and its price.
+/// The fastest of the kernels with the smallest `figure`, and its time relative to the fastest kernel of the group.
 fn best(
     timed: &Timed,
-    figure: impl Fn(&Figures) -> Option<f64>,
-    text: impl Fn(&Figures) -> Option<String>,
+    figure: impl Fn(&KernelFigures) -> Option<f64>,
+    text: impl Fn(&KernelFigures) -> Option<String>,
 ) -> Option<String> {
     let least = timed.iter().filter_map(|(kernel, _)| figure(kernel)).reduce(f64::min)?;
     let equals: Vec<_> = timed.iter().filter(|(kernel, _)| figure(kernel) == Some(least)).collect();
     let (kernel, row) = equals.first()?;
     let price = times(Some(row.ns_per_test / timed[0].1.ns_per_test));
     let (ties, slower): (Vec<_>, Vec<_>) = equals[1..].iter().partition(|(_, other)| tied(row, other));
-    let names =
-        |of: Vec<&&(&Figures, &SpeedRow)>, remark| list(remark, of.iter().map(|(kernel, _)| kernel.name.as_str()));
-    let others = names(ties, "as good, and a tie:") + &names(slower, "as good, but slower:");
+    let names = |of: Vec<&&(&KernelFigures, &SpeedRow)>, remark| {
+        list(remark, of.iter().map(|(kernel, _)| kernel.name.as_str()))
+    };
+    let others = names(ties, "equally good and tied in speed:") + &names(slower, "equally good but slower:");
     Some(format!("**`{}`** {}, {price} the time{others}", kernel.name, text(kernel)?))
 }
 
-/// A remark on other kernels, by name while they are few.
+/// A remark about other kernels: up to four by name, or their number.
 fn list<'a>(remark: &str, names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
     match names.len() {
@@ -75,13 +77,13 @@ fn list<'a>(remark: &str, names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// Explains the figures of [`advice`].
+/// The meaning of the figures of [`advice`].
 pub(super) fn legend(groups: &[Group]) -> String {
     let mut text =
-        "M/s: million tests of one ray against one primitive per second, in one thread. A tie: the medians differ \
-         by no more than the sum of their median absolute deviations. The time is relative to the fastest. \
-         ulp: 99th percentile of the error of `t` over generic rays, in units in the last place. `0 (< b)`: none was \
-         observed, and b is the 95 % bound. Lost:\n"
+        "M/s: million tests of one ray against one primitive per second, in one thread. Two kernels tie if their \
+         medians differ by at most the sum of their median absolute deviations. Times are relative to the fastest \
+         kernel. ulp: 99th percentile of the error of `t` on generic rays, in units in the last place. `0 (< b)`: no \
+         event was observed, and b is the 95 % bound. Lost rays:\n"
             .to_owned();
     for loss in Loss::ALL {
         let mut same = groups.iter().filter(|group| group.loss == loss);

@@ -1,4 +1,4 @@
-//! `report.html`: the report as one page that needs nothing else, no network either.
+//! `report.html`: the report as one self-contained page. It needs no other file and no network.
 
 use std::fmt::Write;
 
@@ -9,10 +9,10 @@ use crate::study::present::chart::{Chart, escaped};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-/// Nothing may be loaded, whatever a page says that was altered on its way.
+/// The content security policy: the page may load nothing, even if it is altered later.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
-/// The page of a report in Markdown, with the charts that it shows in their places.
+/// The page of a report in Markdown. Each image is replaced by its chart.
 pub(crate) fn report_html(markdown: &str, charts: &[Chart]) -> String {
     let events: Vec<Event> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
     let mut headings: Vec<Heading> = Vec::new();
@@ -41,7 +41,7 @@ pub(crate) fn report_html(markdown: &str, charts: &[Chart]) -> String {
     }
     let mut body = String::new();
     push_html(&mut body, page.into_iter());
-    // Most cells are numbers: how they look is said once, in the style sheet.
+    // Most cells are numbers: a class is shorter than a style on each of them.
     let body = body.replace(" style=\"text-align: right\"", " class=\"n\"");
     let title = headings.iter().find(|heading| heading.level == HeadingLevel::H1).map_or("", |heading| &heading.text);
     format!(
@@ -55,11 +55,11 @@ pub(crate) fn report_html(markdown: &str, charts: &[Chart]) -> String {
     )
 }
 
-/// A heading that can be gone to.
+/// A heading that the contents link to.
 struct Heading {
     level: HeadingLevel,
     text: String,
-    /// Unique in the page.
+    /// ID, unique in the page.
     id: String,
 }
 
@@ -70,30 +70,30 @@ impl Heading {
         let slug = words.collect::<Vec<_>>().join("-").to_lowercase();
         let is_free = |id: &String| others.iter().all(|other| other.id != *id);
         let mut ids = [slug.clone()].into_iter().chain((2..).map(|number| format!("{slug}-{number}")));
-        let id = ids.find(is_free).expect("numbers do not end");
+        let id = ids.find(is_free).expect("the numbers are endless");
         Self { level, text, id }
     }
 }
 
-/// Sections and their parts.
+/// The table of contents: sections and their subsections.
 fn contents(headings: &[Heading]) -> String {
     let mut html = "<nav><details open><summary>Contents</summary>\n<ol>\n".to_owned();
     let listed: Vec<_> = headings.iter().filter(|heading| heading.level != HeadingLevel::H1).collect();
-    // A part before any section stands for itself.
+    // A subsection before any section is listed on its own.
     for section in listed.chunk_by(|_, next| next.level != HeadingLevel::H2) {
         let mut lines =
             section.iter().map(|Heading { id, text, .. }| format!("<li><a href=\"#{id}\">{}</a>", escaped(text)));
         html += &lines.next().unwrap_or_default();
         let parts: String = lines.map(|line| line + "\n").collect();
         if !parts.is_empty() {
-            write!(html, "\n<ol>\n{parts}</ol>").expect("a string takes whatever is written to it");
+            write!(html, "\n<ol>\n{parts}</ol>").expect("writing to a string cannot fail");
         }
         html.push('\n');
     }
     html + "</ol>\n</details></nav>\n"
 }
 
-/// A chart within the page; one that there is not is named.
+/// A chart within the page, or its title if there is no such chart.
 fn figure(file: &str, alt: &str, charts: &[Chart]) -> String {
     let Some(svg) = charts.iter().find(|chart| chart.file == file).map(|chart| &chart.svg) else {
         return escaped(alt);
@@ -104,7 +104,7 @@ fn figure(file: &str, alt: &str, charts: &[Chart]) -> String {
     )
 }
 
-/// Text without markup.
+/// The text of events, without markup.
 fn text(events: &[Event]) -> String {
     let texts = events.iter().filter_map(|event| match event {
         Event::Text(text) | Event::Code(text) | Event::InlineHtml(text) => Some(text.as_ref()),
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn every_chart_is_within_the_page_once() {
+    fn every_chart_is_in_the_page_once() {
         let record = record_of(&all_ids());
         let page = page(&record);
         let charts = charts(&record);
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn a_page_loads_nothing() {
         let page = page(&record_of(&all_ids()));
-        // Names of namespaces are loaded by nobody.
+        // Browsers do not load namespaces.
         let page = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for loading in [" src=", "<link", "@import", "url(", "fetch(", "XMLHttp", " href=\"http"] {
             assert!(!page.contains(loading), "{loading}");
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn headings_are_gone_to_by_ids_of_their_own() {
+    fn headings_have_unique_ids_and_every_link_has_a_target() {
         let page = page(&record_of(&all_ids()));
         let ids: Vec<_> = page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
         assert!(ids.len() > 30);
@@ -164,14 +164,14 @@ mod tests {
         for target in page.split("href=\"#").skip(1).filter_map(|rest| rest.split('"').next()) {
             assert!(ids.contains(&target), "{target}");
         }
-        // All but the title.
+        // All headings except the title are in the contents.
         assert_eq!(page.matches("<a href=\"#").count(), ids.len() - 1);
         let twice = report_html("# T\n\n### Part\n\n## Same `a`\n\n## Same a\n", &[]);
         assert!(twice.contains("<h2 id=\"same-a\">") && twice.contains("<h2 id=\"same-a-2\">"), "{twice}");
     }
 
     #[test]
-    fn text_is_text() {
+    fn text_is_escaped() {
         let page = report_html(
             "# A & B\n\n| a | b |\n| --- | --: |\n| `x < y & <b>` | 1 |\n\n![\"<i>\"](x.svg)\n",
             &[Chart { file: "x.svg".into(), svg: "<svg width=\"1\"></svg>".into() }],

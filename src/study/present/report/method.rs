@@ -1,35 +1,39 @@
-//! How the figures came about: method and bias, machine and build, sources, checksums.
+//! Where the figures come from: method and bias, machine and build, sources of the kernels, checksums.
 
 use super::cells::code;
 use crate::study::figures::{number, severity};
 use crate::study::present::grid::{Cell, Grid};
 use crate::study::record::Record;
 
+/// How the figures were measured, and what they leave out.
 pub(super) const METHOD: &str = "\
 ## Method and bias
 
-**What a test is.** Rays find their closest hit among a small set of primitives, as in the leaf of a tracer, with everything \
-in the first-level cache. The time per test is that of the whole, divided by rays times primitives: loading, the test, \
-keeping the closer hit by blends, and each ray's setup, spread over the primitives. No rays are timed twice in a row: what \
-a processor remembers of branches is no help, here as in a tracer. Missing are the cache misses of a real traversal: expect \
-kernels to differ less in a tracer than here, and one with many prepared bytes to do worse.
+**What a test is.** Each ray finds its closest hit among a small set of primitives, as in the leaf of a tracer. All \
+data is in the first-level cache. The time per test is the total time divided by rays × primitives. It includes \
+loading, the test, keeping the closer hit, and the ray's setup, spread over the primitives. No ray is timed twice in a \
+row, so the processor cannot predict branches from memory, as in a tracer. Cache misses of a real traversal are not \
+included. In a tracer, expect kernels to differ less than here, and kernels with many prepared bytes to do worse.
 
-**What is compared.** Times are medians of repeated samples, those of all kernels interleaved, with their median absolute \
-deviation (MAD). Two kernels tie where their medians differ by no more than the sum of both. Other programs may share the \
-machine, and clock rates drift: trust ratios between rows of one record, rather than absolute figures or ratios between \
-records.
+**What is compared.** Times are medians of repeated samples, with their median absolute deviation (MAD). The samples \
+of all kernels are interleaved. Two kernels tie if their medians differ by at most the sum of their MADs. Other \
+programs may share the machine, and clock rates drift. Trust ratios between rows of one record more than absolute \
+figures, and more than ratios between records.
 
-**What the errors are errors of.** Rays are seeded and aimed. `generic` rays go into and past a primitive of about unit size \
-from a few units away; `edge` rays go to edges, vertices, corners and planes, and to the silhouettes, rims and apices of quadrics. The rates describe these workloads: a picture \
-meets an edge far more rarely, and harder geometry (slivers, great distances) may err far more.
+**What the errors describe.** Rays are seeded and aimed. `generic` rays go into and past a primitive of about unit \
+size from a few units away. `edge` rays go to edges, vertices, corners and planes, and to the silhouettes, rims and \
+apices of quadrics. The rates describe these workloads. The rays of a picture hit edges far less often. Harder \
+geometry (slivers, large distances) may have far larger errors.
 
-**What ties the two together.** The scalar and the packet form of a kernel are written apart and give identical bits; the \
-checksums below, equal for all faces and thread counts, say so for the very rays that were timed.";
+**Why both belong together.** The scalar twin and the packet twin of a kernel are separate code and give identical \
+bits. The checksums below confirm this for the timed rays: they are equal for all widths and thread counts.";
 
+/// The machine and the build.
 pub(super) fn machine(record: &Record) -> String {
     let machine = &record.machine;
     format!(
-        "## Machine and build\n\n- Processor: {}, {} logical processors\n- System: {}, target `{}`\n- Target features: {}\n\
+        "## Machine and build\n\n- Processor: {}, {} logical processors\n- System: {}, target `{}`\n\
+         - Target features: {}\n\
          - Compiler: {}\n- Measured code: {}\n- Seed {}; {}; took {} s; record layout {}",
         machine.cpu,
         machine.processors,
@@ -45,7 +49,7 @@ pub(super) fn machine(record: &Record) -> String {
     )
 }
 
-/// Ideas and sources, kernels that share both together.
+/// Ideas and sources. Kernels that share both are listed together.
 pub(super) fn sources(record: &Record) -> String {
     let mut sources: Vec<(&str, &str, Vec<String>)> = Vec::new();
     for kernel in &record.methods {
@@ -59,6 +63,7 @@ pub(super) fn sources(record: &Record) -> String {
     format!("## Sources\n\n{}", lines.collect::<String>())
 }
 
+/// The checksums of all hits.
 pub(super) fn checksums(record: &Record) -> String {
     let kernels = record.speed.iter().map(|row| (format!("`{}`", row.id), row.checksum.as_str()));
     let traced = |scene: &str, rays: &str, kernel: &str| format!("{scene}, {rays} rays, `{kernel}`");
@@ -66,7 +71,7 @@ pub(super) fn checksums(record: &Record) -> String {
     let coherence = record.coherence.iter().map(|row| {
         (traced(&row.scene, &format!("jitter {}", severity(row.jitter)), &row.kernel), row.checksum.as_str())
     });
-    // Equal for all faces, modes and thread counts: one line each.
+    // The checksum is equal for all widths, modes and thread counts, so each appears once.
     let mut lines: Vec<(String, &str)> = Vec::new();
     for line in kernels.chain(tracer).chain(coherence) {
         if !lines.contains(&line) {

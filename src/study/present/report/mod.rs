@@ -1,4 +1,5 @@
-//! `report.md`: the record in words and tables. Every figure in it comes from the record.
+//! The report: `report.md`, the record in words and tables, and `report.html`, the same as one page. Every figure comes
+//! from the record.
 
 mod accuracy;
 mod advice;
@@ -19,7 +20,7 @@ use crate::study::present::chart::{PEERS, SPEED_ACCURACY};
 use crate::study::present::{peers, verdict};
 use crate::study::record::{Record, date};
 
-/// The report, in Markdown; it shows the charts, which belong beside it.
+/// The report in Markdown. It refers to the chart files, which must be in the same folder.
 pub(crate) fn report_markdown(record: &Record) -> String {
     let groups = groups(record);
     let methods = groups_of_methods(record);
@@ -67,7 +68,8 @@ pub(crate) fn report_markdown(record: &Record) -> String {
 }
 
 fn title(record: &Record) -> String {
-    let quick = if record.quick { " This was a quick run, with fewer rays and samples: do not quote it." } else { "" };
+    let quick =
+        if record.quick { " This was a quick run with fewer rays and samples: do not quote its figures." } else { "" };
     format!(
         "# Speed and accuracy of {} intersection kernels\n\n{}, {}, {} logical processors, {}.{quick}",
         record.methods.len(),
@@ -81,7 +83,7 @@ fn title(record: &Record) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::figures::failures::Measure;
+    use crate::study::figures::failures::Metric;
     use crate::study::present::chart::charts;
     use crate::study::record::RegimeRow;
     use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
@@ -92,13 +94,13 @@ mod tests {
         let report = report_markdown(&record);
         let methods = groups_of_methods(&record);
         for kernel in &record.methods {
-            // Kernels, packets, claims, two tables for each of two workloads, and checksums; and one for each measure of a
-            // regime.
+            // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, and one table for
+            // each metric of a regime.
             let mut groups = methods.iter();
-            let group = groups.find(|group| group.kernels.iter().any(|shown| shown.kernel.id == kernel.id));
+            let group = groups.find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
             let regimes = record.regimes.iter().filter(is_shown);
-            let tables = 8 + regimes.map(|regime| Measure::of(regime).len()).sum::<usize>();
+            let tables = 8 + regimes.map(|regime| Metric::of(regime).len()).sum::<usize>();
             assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
         }
         for chart in charts(&record) {
@@ -108,18 +110,18 @@ mod tests {
     }
 
     #[test]
-    fn a_zero_is_shown_as_a_bound() {
+    fn a_zero_rate_is_shown_with_its_bound() {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.regimes.clear();
         let report = report_markdown(&record);
-        assert!(report.contains("| 0 (< 15) / 200 k |"), "leaks over 200,000 rays");
+        assert!(report.contains("| 0 (< 15) / 200 k |"), "the bound of zero leaks in 200,000 rays");
         assert!(report.contains("loses 0 (< 15) |"), "{report}");
     }
 
     #[test]
-    fn the_advice_names_ties() {
+    fn the_advice_names_kernels_that_tie() {
         let mut record = record_of(&["triangle/a".into(), "triangle/b".into()]);
-        assert!(!report_markdown(&record).contains("a tie with"));
+        assert!(!report_markdown(&record).contains("tied with"));
         let times = |record: &mut Record, mad| {
             for row in &mut record.speed {
                 row.ns_per_test = if row.id == "triangle/a" { 1.05 } else { 1.0 };
@@ -127,10 +129,10 @@ mod tests {
             }
         };
         times(&mut record, 0.024);
-        assert!(!report_markdown(&record).contains("a tie with"));
+        assert!(!report_markdown(&record).contains("tied with"));
         times(&mut record, 0.026);
         let report = report_markdown(&record);
-        assert!(report.contains("| **`b`** ") && report.contains("; a tie with `a`"));
+        assert!(report.contains("| **`b`** ") && report.contains("; tied with `a`"));
     }
 
     #[test]

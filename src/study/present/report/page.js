@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-  // Contents stand open beside the text, and closed above it.
+  // The contents are open beside the text, and closed above it.
   const wide = matchMedia("(min-width: 64rem)");
   const contents = document.querySelector("nav details");
   const fold = () => { contents.open = wide.matches; };
@@ -14,7 +14,7 @@
   document.body.append(tip);
   let pointed = null;
 
-  // The page says it at once; the browser need not say it again.
+  // The tip below replaces the tooltip of the browser, so the title is moved to a data attribute.
   const titleOf = (mark) => {
     const title = mark.querySelector("title");
     if (title) {
@@ -24,18 +24,19 @@
     return mark.dataset.title;
   };
 
-  // Within a map, the cell under the pointer.
+  // For a failure map: the text about the cell under the pointer.
   const cellOf = (mark, x, y) => {
     const { axes, cells } = mark.dataset;
     if (!cells) return "";
     const [xs, ys] = [mark.dataset.x, mark.dataset.y].map((steps) => steps.split(" "));
     const box = mark.getBoundingClientRect();
-    const place = (share, count) => Math.min(Math.max(Math.floor(share * count), 0), count - 1);
-    const column = place((x - box.left) / box.width, xs.length);
-    const row = place((box.bottom - y) / box.height, ys.length);
+    const index = (share, count) => Math.min(Math.max(Math.floor(share * count), 0), count - 1);
+    const column = index((x - box.left) / box.width, xs.length);
+    const row = index((box.bottom - y) / box.height, ys.length);
     const figure = cells.split(" ")[row * xs.length + column];
     const [xAxis, yAxis] = axes.split("|");
-    const what = /^\d+$/.test(figure) ? `99th percentile of the error of t: ${Number(figure).toLocaleString("en")} ulp` : figure;
+    const isNumber = /^\d+$/.test(figure);
+    const what = isNumber ? `99th percentile of the error of t: ${Number(figure).toLocaleString("en")} ulp` : figure;
     return `\n→ ${xAxis}: ${xs[column]}\n↑ ${yAxis}: ${ys[row]}\n${what}`;
   };
 
@@ -53,8 +54,10 @@
       leave();
       pointed = mark;
       const svg = mark.ownerSVGElement;
-      const of = mark.dataset.of.split(" ");
-      svg.querySelectorAll("g[data-of]").forEach((group) => group.classList.toggle("meant", of.includes(group.dataset.of)));
+      const subjects = mark.dataset.of.split(" ");
+      for (const group of svg.querySelectorAll("g[data-of]")) {
+        group.classList.toggle("meant", subjects.includes(group.dataset.of));
+      }
       svg.classList.add("pointed");
       mark.classList.add("meant");
     }
@@ -76,7 +79,7 @@
   for (const event of ["pointerover", "pointermove", "pointerdown"]) document.addEventListener(event, pointAt);
   document.addEventListener("scroll", leave, { passive: true });
 
-  // With a chart in focus, arrows go from mark to mark.
+  // While a chart has the focus, the arrow keys go from mark to mark.
   for (const svg of document.querySelectorAll(".chart svg")) {
     const marks = svg.querySelectorAll(".hover > *");
     if (!marks.length) continue;
