@@ -11,9 +11,9 @@ use raylanes::tracer::{self, BuiltIn, Mode, Shade};
 
 /// Measures ray-intersection kernels: how fast and how accurate each of them is.
 #[derive(Parser)]
-#[command(version, after_help = scene_help())]
+#[command(version, after_help = closing_help())]
 pub(super) struct Arguments {
-    /// Without a command, `study` measures the built-in scenes.
+    /// `None`: `study` of the built-in scenes.
     #[command(subcommand)]
     pub(super) command: Option<Command>,
 }
@@ -178,11 +178,12 @@ impl From<ShadeArgument> for Shade {
     }
 }
 
-/// The last paragraph of `--help`.
-fn scene_help() -> String {
+/// The last lines of `--help`.
+fn closing_help() -> String {
     format!(
-        "SCENE is an OBJ file (*.obj), a scene file (*.toml) or a built-in scene: {}. \
-         All but the last take a size: room:small, terrain:1e6.",
+        "Without a command, `study` measures the built-in scenes.\n\
+         SCENE is an OBJ file (*.obj), a scene file (*.toml) or a built-in scene: {}.\n\
+         All built-in scenes but the last take a size: room:small, terrain:1e6.",
         BuiltIn::NAMES.join(", ")
     )
 }
