@@ -2,8 +2,8 @@
 //! ray that reaches a subtree alone walks it as a single ray.
 //!
 //! In a single mesh, `stream` shares more node visits and is 1.2 to 1.8 times as fast. Packets serve scenes with
-//! instances, where eight rays enter an instance together, and callers that bring eight rays. Single rays in their place
-//! have 0.58 to 0.83 times the speed on a forest of instances, and 0.30 to 0.52 times on instances of quadrics.
+//! instances, where eight rays enter an instance together, and callers that bring eight rays. With single rays instead,
+//! a forest of instances was traced at 0.58 to 0.83 times the speed, and instances of quadrics at 0.30 to 0.52 times.
 //!
 //! **Source:** packets: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray
 //! Tracing", 2001. Single-ray fallback: C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and
