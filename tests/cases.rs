@@ -1,119 +1,151 @@
-//! Sharp cases: single rays that decide something, and what every kernel makes of each of them.
+//! Sharp cases: single rays chosen to show differences between methods, and the outcome of every kernel for each of
+//! them.
 //!
-//! `tests/cases/triangles.toml`, `boxes.toml`, `quadrics.toml` and `transforms.toml` state the cases: numbers, where
-//! they come from, what they show, and the truth, which the oracle must confirm, by its filter too where that is sure.
-//! The `.expected` files pin the outcome of every kernel, to the bit, right or wrong, so that a change for the better
-//! shows as well.
+//! `tests/cases/triangles.toml`, `boxes.toml`, `quadrics.toml` and `transforms.toml` contain the cases: their numbers,
+//! source, purpose and truth. The oracle must confirm the truth, and so must its filter where it is sure. The
+//! `.expected` files pin the outcome of every kernel to the bit, right or wrong. So a change for the better shows too.
 //!
 //! # To add a case
 //!
-//! 1. Append a `[[case]]` to the TOML file (in `transforms.toml` a `[[triangle]]`, `[[box]]` or `[[quadric]]`); the comment
-//!    at its top explains the fields.
+//! 1. Append a `[[case]]` to the TOML file, in `transforms.toml` a `[[triangle]]`, `[[box]]` or `[[quadric]]`. The
+//!    comment at the top of the file explains the fields.
 //! 2. Run `RAYLANES_BLESS=1 cargo test --test cases`, which rewrites the `.expected` files.
 //! 3. Read the difference. A wrong outcome is marked `<-`; it is pinned like any other.
 //!
-//! A new kernel has no pinned lines, and fails until they are blessed and read.
+//! A new kernel has no pinned lines. Its test fails until they are written, as in step 2, and read.
 //!
 //! # To read an `.expected` file
 //!
-//! A case is its name, then `exact`, the correctly rounded answer, then one line for each kernel. A hit prints `t`, `u`
-//! and `v` (of a box: entry, exit, 0; of a quadric: u = v = 0) in decimal and in bits. In a mesh, `#n` is its n-th
-//! triangle, and the verdict counts the triangles hit. `<-` marks a false miss (a miss of what lies on a `boundary` is
-//! not one), a false hit, a leak, a double, and a `t` that is off by more than rounding.
+//! A case starts with its name. Then come `exact`, the correctly rounded answer, and one line for each kernel. A hit
+//! prints `t`, `u` and `v` (of a box: entry, exit, 0; of a quadric: u = v = 0) in decimal and in bits. In a mesh, `#n`
+//! is its n-th triangle, and the end of the line counts the triangles that are hit. `<-` marks a false miss, a false
+//! hit, a leak, a double hit, and a `t` whose error is more than rounding. A miss on a `boundary` is not a false miss.
 //!
-//! Some kernels exist only in builds with FMA. A build without them neither tests nor blesses their lines.
+//! Some kernels exist only in builds with FMA. A build without them keeps their lines and does not test them.
+
+mod harness;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
 
 use glam::{Affine3, Mat3, Vec3};
+use libtest_mimic::Trial;
 use raylanes::geom::{Aabb, Hit, Placed, Quadric, Ray, Shape, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::oracle::{Exact, Truth};
-use raylanes::registry::{Registered, Visitor};
+use raylanes::registry::{self, Registered, Visitor};
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, Error, Visitor as Fields};
 use toml::Spanned;
 use wide::f32x8;
 
-const HOW_TO_BLESS: &str = "if this is meant: RAYLANES_BLESS=1 cargo test --test cases, then read the difference";
+const HOW_TO_BLESS: &str = "if this is intended: RAYLANES_BLESS=1 cargo test --test cases, then read the difference";
+
+/// The name of the line with the correctly rounded answer. Kernels have IDs in its place.
+const EXACT: &str = "exact";
 
 /// Errors of `t` up to this many ulp are printed but not marked.
 const ROUNDING: u32 = 64;
 
-#[test]
-fn triangles() {
-    run("triangles", |text, results| results.add(text, &parse::<FileData<TriangleData>>(text)?.case));
+fn main() -> ExitCode {
+    let groups = vec![
+        vec![
+            harness::test("numbers_are_read_to_the_bit", numbers_are_read_to_the_bit),
+            harness::test("blessing_keeps_the_lines_of_absent_kernels", blessing_keeps_the_lines_of_absent_kernels),
+        ],
+        tests("triangles", |text, results| results.add(text, &parse::<FileData<TriangleData>>(text)?.case)),
+        tests("boxes", |text, results| results.add(text, &parse::<FileData<BoxData>>(text)?.case)),
+        tests("quadrics", |text, results| results.add(text, &parse::<FileData<QuadricData>>(text)?.case)),
+        tests("transforms", |text, results| {
+            let file: PlacedFileData = parse(text)?;
+            results.add(text, &file.triangle)?;
+            results.add(text, &file.cuboid)?;
+            results.add(text, &file.quadric)
+        }),
+    ];
+    harness::run(groups, registry::all)
 }
 
-#[test]
-fn boxes() {
-    run("boxes", |text, results| results.add(text, &parse::<FileData<BoxData>>(text)?.case));
-}
-
-#[test]
-fn quadrics() {
-    run("quadrics", |text, results| results.add(text, &parse::<FileData<QuadricData>>(text)?.case));
-}
-
-#[test]
-fn transforms() {
-    run("transforms", |text, results| {
-        let file: PlacedFileData = parse(text)?;
-        results.add(text, &file.triangle)?;
-        results.add(text, &file.cuboid)?;
-        results.add(text, &file.quadric)
-    });
-}
-
-fn run(name: &str, add: impl Fn(&str, &mut Results) -> Result<(), String>) {
-    // Relative to the package, where cargo runs tests: messages name files as the reader knows them.
+/// The tests of one file: the truth that it states, and the pinned outcomes of each kernel.
+///
+/// # Panics
+///
+/// If the file cannot be read or has an error.
+fn tests(name: &'static str, add: impl Fn(&str, &mut Results) -> Result<(), String>) -> Vec<Trial> {
+    // Relative paths give readable messages: cargo runs tests in the folder of the package.
     let folder = Path::new("tests/cases");
     let path = folder.join(name).with_extension("toml");
     let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut results = Results::default();
     add(&text, &mut results).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let Results { failures, outcomes: got, .. } = results;
-    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 
     let expected = folder.join(name).with_extension("expected");
-    let pinned = Pinned::read(&expected);
-    if std::env::var_os("RAYLANES_BLESS").is_some_and(|value| value == "1") {
-        fs::write(&expected, pinned.blessed(name, &got)).unwrap();
-        return;
+    let is_right = results.wrong_truths.is_empty() && results.different_twins.values().all(Vec::is_empty);
+    if std::env::var_os("RAYLANES_BLESS").is_some_and(|value| value == "1") && is_right {
+        fs::write(&expected, Pinned::read(&expected).blessed(name, &results.outcomes)).unwrap();
     }
-    let failures = pinned.compare(&got);
-    assert!(failures.is_empty(), "{}:\n{}\n{HOW_TO_BLESS}", expected.display(), failures.join("\n"));
+    let (pinned, results) = (Arc::new(Pinned::read(&expected)), Arc::new(results));
+    let fail = move |failures: &[String]| {
+        if failures.is_empty() {
+            return Ok(String::new());
+        }
+        Err(format!("{}:\n{}\n{HOW_TO_BLESS}", expected.display(), failures.join("\n")))
+    };
+    let mut trials: Vec<_> = present(&results.outcomes)
+        .into_iter()
+        .filter(|kernel| *kernel != EXACT)
+        .map(|kernel| {
+            let (kernel, pinned, results, fail) = (kernel.to_owned(), pinned.clone(), results.clone(), fail.clone());
+            harness::of_kernel("cases", kernel.clone(), move || match results.different_twins.get(&kernel) {
+                Some(differences) if !differences.is_empty() => Err(differences.join("\n")),
+                _ => fail(&pinned.compare(&kernel, &results.outcomes)),
+            })
+        })
+        .collect();
+    trials.push(harness::test(&format!("the_stated_truth_of_{name}_is_that_of_the_oracle"), move || {
+        assert!(results.wrong_truths.is_empty(), "{}:\n{}", path.display(), results.wrong_truths.join("\n"));
+        let mut failures = pinned.compare(EXACT, &results.outcomes);
+        failures.extend(pinned.gone(&results.outcomes));
+        if let Err(message) = fail(&failures) {
+            panic!("{message}");
+        }
+    }));
+    trials
 }
 
-/// What comes of the cases of a file.
+/// The results of the cases of a file.
 #[derive(Default)]
 struct Results {
     names: BTreeSet<String>,
-    /// Where the stated truth is wrong, or the twins differ.
-    failures: Vec<String>,
+    /// Messages about wrong truths in the file.
+    wrong_truths: Vec<String>,
+    /// For each kernel, messages about differing twins.
+    different_twins: BTreeMap<String, Vec<String>>,
     outcomes: Vec<Outcome>,
 }
 
 impl Results {
-    /// Adds the cases of one shape. `text` is the file's.
+    /// Adds the cases of one shape. `text` is the text of the file.
     fn add<D: Data>(&mut self, text: &str, data: &[CaseData<D>]) -> Result<(), String> {
         let cases = parse_cases(text, data, &mut self.names)?;
-        self.failures.extend(check_truth(&cases));
-        let mut outcomes = Outcomes { cases: &cases, kernels: Vec::new(), failures: Vec::new() };
+        self.wrong_truths.extend(check_truth(&cases));
+        let mut outcomes = Outcomes { cases: &cases, kernels: Vec::new() };
         D::Shape::visit_kernels(&mut outcomes);
-        let Outcomes { kernels, failures, .. } = outcomes;
-        self.failures.extend(failures);
-        self.outcomes.extend(Outcome::of_all(&cases, &truths(&cases), kernels));
+        for kernel in &mut outcomes.kernels {
+            self.different_twins.insert(kernel.id.clone(), std::mem::take(&mut kernel.different_twins));
+        }
+        self.outcomes.extend(Outcome::of_all(&cases, &truths(&cases), outcomes.kernels));
         Ok(())
     }
 }
 
-// ---- What a case is ------------------------------------------------------------------------------------------------
+// ---- The cases -----------------------------------------------------------------------------------------------------
 
-/// A number as written: decimals are rounded once, from their digits to `f32`; a string holds the bits.
+/// A number as written. Decimals are rounded once, from their digits to `f32`. A string contains the bits.
 #[derive(Clone, Copy)]
 enum Written {
     Digits,
@@ -230,10 +262,10 @@ enum Verdict {
     Miss,
 }
 
-/// A shape as written, and what is particular to its family.
+/// A shape as written in the file.
 trait Data: DeserializeOwned {
     type Shape: Registered + Exact;
-    /// What bounds it.
+    /// The type of its bounds.
     type Bounds: Exact;
 
     fn shape(&self, numbers: &Numbers) -> Result<Self::Shape, String>;
@@ -329,12 +361,12 @@ struct Case<S> {
     shapes: Vec<S>,
     stated: Vec<(Verdict, Option<f32>)>,
     ray: Ray<f32>,
-    /// Where the ray is within the bounds of each shape, if it meets them: a hit far outside is a false one of the worst
-    /// kind.
+    /// Entry and exit of the ray at the bounds of each shape, if it meets them. A hit far outside of the bounds is the
+    /// worst kind of false hit.
     bounds: Vec<Option<(f32, f32)>>,
 }
 
-/// The text that the spans of numbers point into.
+/// The text of a file. The spans of numbers are places in it.
 struct Numbers<'a> {
     text: &'a str,
 }
@@ -353,7 +385,7 @@ impl Numbers<'_> {
                 let value: f32 =
                     digits.parse().map_err(|_| format!("line {line}: {digits} is not a decimal number"))?;
                 if value.is_infinite() && !digits.contains("inf") {
-                    return Err(format!("line {line}: {digits} is beyond f32"));
+                    return Err(format!("line {line}: {digits} is too large for f32"));
                 }
                 Ok(value)
             }
@@ -389,10 +421,10 @@ fn parse_case<D: Data>(
         return fail("must be named with letters, digits and hyphens only");
     }
     if !names.insert(name.to_owned()) {
-        return fail("is there twice");
+        return fail("exists twice");
     }
     if data.source.trim().is_empty() || data.why.trim().is_empty() || data.why.contains('\n') {
-        return fail("must have a source, and say in one line why it is there");
+        return fail("must have a source, and a `why` of one line");
     }
     if data.shapes.is_empty() {
         return fail("has no shapes");
@@ -427,7 +459,7 @@ fn truths<S: Exact>(cases: &[Case<S>]) -> Vec<Vec<Truth>> {
     cases.iter().map(|case| case.shapes.iter().map(|shape| shape.truth_exact(&case.ray)).collect()).collect()
 }
 
-/// What the file states against what the oracle says, and its filter against itself.
+/// Compares the truth in the file with the oracle, and the filter of the oracle with its exact arithmetic.
 fn check_truth<S: Exact>(cases: &[Case<S>]) -> Vec<String> {
     let mut failures = Vec::new();
     for (case, truths) in cases.iter().zip(truths(cases)) {
@@ -447,37 +479,38 @@ fn check_truth<S: Exact>(cases: &[Case<S>]) -> Vec<String> {
     failures
 }
 
-// ---- What the kernels make of it -----------------------------------------------------------------------------------
+// ---- The outcomes of the kernels -----------------------------------------------------------------------------------
 
 struct KernelHits {
     id: String,
-    /// For each case, for each of its shapes.
+    /// Messages about lanes in which the packet twin differs from the scalar one.
+    different_twins: Vec<String>,
+    /// For each case and each of its shapes.
     hits: Vec<Vec<Hit<f32>>>,
 }
 
 struct Outcomes<'a, S> {
     cases: &'a [Case<S>],
     kernels: Vec<KernelHits>,
-    failures: Vec<String>,
 }
 
 impl<S: Shape> Visitor<S> for Outcomes<'_, S> {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
-        let mut hits = Vec::new();
+        let (mut hits, mut different_twins) = (Vec::new(), Vec::new());
         for (index, case) in self.cases.iter().enumerate() {
             let of_shape = |shape| {
                 let primitive = K::prepare(shape);
                 let scalar = Intersect::<f32>::hit(&primitive, &case.ray);
-                self.failures.extend(packet_differs(self.cases, index, &primitive, &scalar));
+                different_twins.extend(packet_differs(self.cases, index, &primitive, &scalar));
                 scalar
             };
             hits.push(case.shapes.iter().map(of_shape).collect());
         }
-        self.kernels.push(KernelHits { id: K::INFO.id.to_string(), hits });
+        self.kernels.push(KernelHits { id: K::INFO.id.to_string(), different_twins, hits });
     }
 }
 
-/// The ray in every lane, among the rays of the cases that follow.
+/// Tests the ray in every lane of a packet; the other lanes hold the rays of the following cases.
 fn packet_differs<K: Kernel>(
     cases: &[Case<K::Shape>],
     index: usize,
@@ -507,12 +540,9 @@ impl Outcome {
         let mut outcomes: Vec<_> = cases
             .iter()
             .zip(truths)
-            .map(|(case, truths)| Self {
-                case: case.name.clone(),
-                lines: vec![("exact".to_owned(), exact_line(truths))],
-            })
+            .map(|(case, truths)| Self { case: case.name.clone(), lines: vec![(EXACT.to_owned(), exact_line(truths))] })
             .collect();
-        for KernelHits { id, hits } in kernels {
+        for KernelHits { id, hits, .. } in kernels {
             for (index, hits) in hits.iter().enumerate() {
                 let line = kernel_line(&cases[index], &truths[index], hits);
                 outcomes[index].lines.push((id.clone(), line));
@@ -538,7 +568,7 @@ fn print_parameters(t: f32, u: f32, v: f32) -> String {
     [("t", t), ("u", u), ("v", v)].map(|(name, x)| format!("{name}={x:?}/{:08x}", x.to_bits())).join(" ")
 }
 
-/// The parts of a line, numbered if there are several.
+/// Joins the parts of a line. Several parts are numbered.
 fn join(parts: &[String]) -> String {
     if let [part] = parts {
         return part.clone();
@@ -573,14 +603,14 @@ fn kernel_line<S>(case: &Case<S>, truths: &[Truth], hits: &[Hit<f32>]) -> String
     line
 }
 
-/// What is wrong with a hit, empty if nothing is.
+/// The error of an outcome; empty if it is right.
 fn judge(hit: &Hit<f32>, truth: &Truth, bounds: Option<(f32, f32)>) -> String {
     match (truth.hit, hit.mask) {
         (false, false) => String::new(),
         (true, false) if truth.boundary => " (boundary)".to_owned(),
         (true, false) => " <- false miss".to_owned(),
         (false, true) => {
-            // A triangle that lies in an axis plane has flat bounds, which the rounding of `t` alone may leave.
+            // A triangle in an axis plane has flat bounds. The rounding of `t` alone may put a hit outside of them.
             let slack = 1e-3 * hit.t.abs();
             let near = bounds.is_some_and(|(entry, exit)| entry - slack <= hit.t && hit.t <= exit + slack);
             format!(" <- false hit{}", if near { "" } else { ", far outside its bounds" })
@@ -596,7 +626,7 @@ fn judge(hit: &Hit<f32>, truth: &Truth, bounds: Option<(f32, f32)>) -> String {
     }
 }
 
-/// How many steps from one `f32` to the next lie between the two; both zeros are the same place.
+/// The distance of two numbers in ulp. Both zeros are the same place.
 fn ulp_distance(a: f32, b: f32) -> u32 {
     let place = |x: f32| {
         let magnitude = (x.to_bits() & 0x7fff_ffff).cast_signed();
@@ -605,18 +635,18 @@ fn ulp_distance(a: f32, b: f32) -> u32 {
     place(a).abs_diff(place(b))
 }
 
-// ---- What is pinned ------------------------------------------------------------------------------------------------
+// ---- The pinned outcomes -------------------------------------------------------------------------------------------
 
 #[derive(Default)]
 struct Pinned {
-    /// Case, then kernel: the line.
+    /// By case and by kernel.
     lines: BTreeMap<String, BTreeMap<String, String>>,
-    /// Kernels in the order of their first lines.
+    /// Kernels, in the order of their first lines.
     kernels: Vec<String>,
 }
 
 impl Pinned {
-    /// A file that is not there pins nothing.
+    /// A missing file pins nothing.
     fn read(path: &Path) -> Self {
         Self::parse(&fs::read_to_string(path).unwrap_or_default())
     }
@@ -638,13 +668,14 @@ impl Pinned {
         pinned
     }
 
-    fn compare(&self, got: &[Outcome]) -> Vec<String> {
+    /// Messages about outcomes of one kernel that differ from the pinned ones.
+    fn compare(&self, kernel: &str, got: &[Outcome]) -> Vec<String> {
+        if !self.kernels.iter().any(|known| known == kernel) {
+            return vec![format!("{kernel}: a new kernel, without pinned outcomes")];
+        }
         let mut failures = Vec::new();
-        let unknown = |kernel: &str| !self.kernels.iter().any(|known| known == kernel);
-        let new = present(got).into_iter().filter(|kernel| unknown(kernel));
-        failures.extend(new.map(|kernel| format!("{kernel}: nothing is pinned, in no case")));
         for Outcome { case, lines } in got {
-            for (kernel, line) in lines.iter().filter(|(kernel, _)| !unknown(kernel)) {
+            for (_, line) in lines.iter().filter(|(id, _)| id == kernel) {
                 match self.lines.get(case).and_then(|kernels| kernels.get(kernel)) {
                     Some(pinned) if pinned == line => {}
                     Some(pinned) => failures.push(format!("{case} {kernel}:\n  pinned  {pinned}\n  got     {line}")),
@@ -652,11 +683,15 @@ impl Pinned {
                 }
             }
         }
-        let gone = self.lines.keys().filter(|case| !got.iter().any(|outcome| outcome.case == **case));
-        failures.extend(gone.map(|case| format!("{case}: pinned, but there is no such case")));
-        let gone = self.absent(got).filter(|kernel| !is_written(kernel));
-        failures.extend(gone.map(|kernel| format!("{kernel}: pinned, but there is no such kernel")));
         failures
+    }
+
+    /// Pinned cases and kernels that do not exist.
+    fn gone(&self, got: &[Outcome]) -> Vec<String> {
+        let cases = self.lines.keys().filter(|case| !got.iter().any(|outcome| outcome.case == **case));
+        let cases = cases.map(|case| format!("{case}: pinned, but there is no such case"));
+        let kernels = self.absent(got).filter(|kernel| !is_written(kernel));
+        cases.chain(kernels.map(|kernel| format!("{kernel}: pinned, but there is no such kernel"))).collect()
     }
 
     /// Kernels with pinned lines that this build does not have.
@@ -665,7 +700,7 @@ impl Pinned {
         self.kernels.iter().map(String::as_str).filter(move |kernel| !present.contains(kernel))
     }
 
-    /// The file that pins what this build got, and keeps the lines of kernels that it lacks where they were.
+    /// The text of the file with the outcomes of this build. Lines of kernels that it lacks stay at their place.
     fn blessed(&self, name: &str, got: &[Outcome]) -> String {
         let mut order = present(got);
         for kernel in self.absent(got).filter(|kernel| is_written(kernel)) {
@@ -693,7 +728,7 @@ impl Pinned {
     }
 }
 
-/// The kernels that this build has, in the order of the registry; those of placed shapes differ from shape to shape.
+/// The kernels of this build, in the order of the registry.
 fn present(got: &[Outcome]) -> Vec<&str> {
     let mut kernels: Vec<&str> = Vec::new();
     for (kernel, _) in got.iter().flat_map(|outcome| &outcome.lines) {
@@ -704,8 +739,8 @@ fn present(got: &[Outcome]) -> Vec<&str> {
     kernels
 }
 
-/// Whether the sources of the kernels name this ID, both halves of an instance's, so that the kernel exists even if this
-/// build lacks it.
+/// Whether the sources of the kernels contain this ID, or both halves of an instance's ID. If so, the kernel exists, at
+/// least in other builds.
 fn is_written(kernel: &str) -> bool {
     fn sources(folder: PathBuf) -> Vec<PathBuf> {
         let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -718,17 +753,18 @@ fn is_written(kernel: &str) -> bool {
     quoted.into_iter().all(|id| files.iter().any(|file| file.contains(&id)))
 }
 
-// ---- The checks above, checked -------------------------------------------------------------------------------------
+// ---- Tests of the code above ---------------------------------------------------------------------------------------
 
-#[test]
 fn numbers_are_read_to_the_bit() {
-    // By way of f64 the first would be 1.0: a tie there, which the digits that f64 drops decide.
+    // Rounded through f64 the first would be 1.0: it is just above a tie, and f64 drops the digits that show it.
     let text = r#"
         [[case]]
         name = "numbers"
         source = "this test"
         why = "each kind of number"
-        boxes = [{ lo = [1.00000005960464477539062500000001, -0.0, 0], hi = [inf, "0x3f800001", 16_777_217], truth = "miss" }]
+        boxes = [{
+            lo = [1.00000005960464477539062500000001, -0.0, 0], hi = [inf, "0x3f800001", 16_777_217], truth = "miss"
+        }]
         ray = { origin = [0, -0, 1e-45], dir = ["0x7fc00000", 0, 0], t_min = -inf }
     "#;
     let file: FileData<BoxData> = parse(text).unwrap();
@@ -741,18 +777,21 @@ fn numbers_are_read_to_the_bit() {
     assert_eq!((case.ray.t_min, case.ray.t_max), (f32::NEG_INFINITY, f32::INFINITY));
 }
 
-#[test]
-fn blessing_keeps_the_lines_of_kernels_that_the_build_lacks() {
+fn blessing_keeps_the_lines_of_absent_kernels() {
     let pinned =
         Pinned::parse("# comment\n\na\n  exact miss\n  aabb/division old\n  aabb/padded kept\n  aabb/gone lost\n");
     let line = |kernel: &str, line: &str| (kernel.to_owned(), line.to_owned());
     let lines = vec![line("exact", "miss"), line("aabb/division", "new"), line("aabb/reciprocal", "first")];
     let got = [Outcome { case: "a".to_owned(), lines }];
-    assert_eq!(pinned.compare(&got).len(), 3, "a difference, a new kernel, a kernel that is gone");
+    let compare = |pinned: &Pinned| present(&got).into_iter().flat_map(|kernel| pinned.compare(kernel, &got)).collect();
+    let differences: Vec<String> = compare(&pinned);
+    assert_eq!(differences.len(), 2, "a difference and a new kernel: {differences:?}");
+    assert_eq!(pinned.gone(&got), ["aabb/gone: pinned, but there is no such kernel"]);
 
     let blessed = Pinned::parse(&pinned.blessed("boxes", &got));
     assert_eq!(blessed.kernels, ["exact", "aabb/division", "aabb/padded", "aabb/reciprocal"]);
     assert_eq!(blessed.lines["a"]["aabb/padded"], "kept");
     assert_eq!(blessed.lines["a"]["aabb/division"], "new");
-    assert!(blessed.compare(&got).is_empty());
+    assert_eq!(compare(&blessed), Vec::<String>::new());
+    assert_eq!(blessed.gone(&got), Vec::<String>::new());
 }

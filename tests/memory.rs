@@ -1,4 +1,4 @@
-//! Instances share their geometry: what a scene of many takes, counted by the allocator.
+//! Tests that instances share their geometry: the allocator counts the bytes of a scene with 10,000 instances.
 
 use glam::{Affine3, Vec3};
 use peak_alloc::PeakAlloc;
@@ -8,7 +8,7 @@ use raylanes::tracer::{Geometry, Paint, Placement, Scene, SceneSource, World};
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// The scene's own account, and the allocator's.
+/// The bytes that the scene reports, and the bytes that the allocator counts.
 fn bytes(instances: usize) -> (usize, usize) {
     let before = HEAP.current_usage();
     let (mut geometries, _) = SceneSource::parse("sphere:70000").unwrap().load().unwrap().world.into_parts();
@@ -23,10 +23,10 @@ fn bytes(instances: usize) -> (usize, usize) {
     (scene.bytes(), HEAP.current_usage() - before)
 }
 
-/// 275 bytes is about what the documentation of [`Scene`] says of an instance.
+/// An instance takes about 275 bytes, as the documentation of [`Scene`] says.
 #[test]
-fn ten_thousand_instances_take_one_mesh_and_their_records() {
-    // The first scene also pays for what stays, such as the threads.
+fn instances_share_the_memory_of_their_mesh() {
+    // The first scene also allocates what stays, such as the threads.
     bytes(1);
     let (one, many) = (bytes(1), bytes(10_000));
     let each = (many.0 - one.0) as f64 / 9_999.0;

@@ -1,4 +1,5 @@
-//! OBJ and MTL files: what is read, what is refused and with which words, and that nothing makes the loader panic.
+//! Tests of the loader of OBJ and MTL files: what it reads, which files it refuses with which message, and that it
+//! never panics.
 
 mod files;
 mod random;
@@ -19,7 +20,7 @@ fn load_text(text: impl AsRef<[u8]>) -> Result<(Mesh, ObjReport), Error> {
     load_obj(&Files::new().write("x.obj", text))
 }
 
-/// The mesh of a file that nothing is to be said about.
+/// The mesh of a file. The loader must have nothing to report.
 fn mesh(text: impl AsRef<[u8]>) -> Mesh {
     let (mesh, report) = load_text(text).unwrap();
     assert_eq!((report.ignored_elements, report.warnings), (0, vec![]));
@@ -76,7 +77,7 @@ fn every_form_of_line_is_read() {
 }
 
 #[test]
-fn what_is_left_out_is_reported() {
+fn ignored_lines_are_reported() {
     let files = Files::new();
     let text = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 0 1 0\nv 9 9 9\n\
                 f 1 2 3\nf 1 2 2\nf 1 2 3 3\nl 1 2 3\np 1\ncurv 0 1 1 2\nF 1 2 3\nfo 1 2 3\nV 0 0 0\n";
@@ -95,7 +96,7 @@ fn what_is_left_out_is_reported() {
 }
 
 #[test]
-fn errors_name_line_and_value() {
+fn errors_name_the_line_and_its_text() {
     for (line, message) in [
         ("v 1 nan 3", "vertex coordinate is NaN"),
         ("v 1 2 -inf", "vertex coordinate is infinite or too large"),
@@ -146,7 +147,7 @@ fn files_without_triangles_are_refused() {
     assert_eq!(message(&files.path("none.obj")), "cannot read none.obj: No such file or directory");
     fs::create_dir(files.path("directory.obj")).unwrap();
     assert_eq!(message(&files.path("directory.obj")), "cannot read directory.obj: Is a directory");
-    // A line that never ends must not fill the memory.
+    // An endless line must not fill the memory.
     if Path::new("/dev/zero").exists() {
         assert!(message(Path::new("/dev/zero")).starts_with("/dev/zero:1: line is longer than 16777216 bytes: "));
     }
@@ -164,7 +165,8 @@ fn materials_color_the_triangles() {
     files.write("two.mtl", b"# \xff\nnewmtl \xe9t\xe9\nillum x\nKd 0 .25 1e-1");
     let obj = format!(
         "mtllib one library.mtl\nmtllib two.mtl none.mtl\nmtllib two.mtl none.mtl\n{VERTICES}f 1 2 3\n\
-         usemtl unused\nusemtl red one\nf 1 2 4 3\nusemtl #2\nf 1 2 3\nusemtl plain\nf 1 2 3\nusemtl undefined\nf 1 2 3\n\
+         usemtl unused\nusemtl red one\nf 1 2 4 3\nusemtl #2\nf 1 2 3\nusemtl plain\nf 1 2 3\n\
+         usemtl undefined\nf 1 2 3\n\
          usemtl \u{e9}\nf 1 2 3\nusemtl\nf 1 2 3\nusemtl red one\n"
     );
     let (mesh, report) = load_obj(&files.write("x.obj", obj)).unwrap();
@@ -190,7 +192,7 @@ fn materials_color_the_triangles() {
 }
 
 #[test]
-fn impossible_colors_are_clamped_with_a_warning() {
+fn colors_outside_0_to_1_are_clamped_with_a_warning() {
     let files = Files::new();
     files.write("x.mtl", "newmtl a\nKd 2 -1 0.5\n");
     let (mesh, report) = load_obj(&files.write("x.obj", format!("mtllib x.mtl\nusemtl a\n{VERTICES}f 1 2 3"))).unwrap();
@@ -226,7 +228,7 @@ fn broken_material_files_are_refused() {
     assert_eq!(files.shorten(&load_obj(&obj).unwrap_err().to_string()), "cannot read y.obj/y.mtl: Not a directory");
 }
 
-/// Pieces that mean something in such files.
+/// Pieces of text with a meaning in OBJ and MTL files.
 const PIECES: [&str; 24] = [
     "\n",
     " ",
@@ -255,7 +257,7 @@ const PIECES: [&str; 24] = [
 ];
 
 #[test]
-fn mutilated_files_neither_panic_nor_make_invalid_meshes() {
+fn corrupted_files_neither_panic_nor_make_invalid_meshes() {
     const OBJ: &str = "mtllib x.mtl\no a\nv 0 0 0\nv 1 0 0.5 2\nv 0 1e0 0 1 1 1\nv 1 1 0\nvn 0 0 1\nusemtl red\n\
                        f 1//1 2//1 3//1\nusemtl blue\nf -4 -3 -1 \\\n-2\nl 1 2\nf 4 3 2 1 2\n";
     const MTL: &str = "# colours\nnewmtl red\nKd 1 0 0.25\nillum 2\nnewmtl blue\nKd .5\n";
@@ -278,19 +280,19 @@ fn mutilated_files_neither_panic_nor_make_invalid_meshes() {
                 assert!(is_short_line(&error.to_string()), "{error}");
             }
         }
-        // Written over, some file systems would wait for the disk each time.
+        // Removed first: some file systems wait for the disk when a file is overwritten.
         fs::remove_file(obj).unwrap();
         fs::remove_file(mtl).unwrap();
     }
-    // Else one branch above was hardly tried.
+    // Both branches above must have run often.
     assert!(loaded > 2_000 && refused > 2_000, "{loaded} loaded, {refused} refused");
 }
 
-/// The scenes that measurements are made with; they are not part of the project.
+/// A scene used for measurements. It is not part of the project; `None` if it is not there.
 fn load_scene(name: &str) -> Option<(Mesh, ObjReport)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
     if !path.exists() {
-        eprintln!("skipped: there is no {}", path.display());
+        eprintln!("skipped: {} does not exist", path.display());
         return None;
     }
     Some(load_obj(&path).unwrap())
@@ -306,7 +308,7 @@ fn assert_bounds(bounds: Aabb, lo: [f32; 3], hi: [f32; 3]) {
 fn the_bunny_is_complete() {
     let Some((mesh, report)) = load_scene("bunny.obj") else { return };
     assert_eq!((mesh.len(), report.vertices), (69_451, 35_947));
-    // The others belong to no triangle.
+    // The other vertices belong to no triangle.
     assert_eq!(mesh.positions().len(), 34_834);
     assert_eq!((report.degenerate, report.ignored_elements, report.warnings), (0, 0, vec![]));
     assert_bounds(mesh.bounds(), [-0.095, 0.033, -0.062], [0.061, 0.187, 0.059]);

@@ -1,5 +1,7 @@
-//! The oracle, which judges all else, judged: filter against exact arithmetic, and both against methods that share
-//! nothing with them (an adaptive predicate, rational numbers of machine size, answers known by construction).
+//! Tests of the oracle: its fast filter against its exact arithmetic, and both against independent methods.
+//!
+//! The independent methods share no code with the oracle: an adaptive predicate, rational numbers of machine size, and
+//! answers known by construction.
 
 use core::cmp::Ordering;
 
@@ -8,6 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use raylanes::geom::{Aabb, Placed, Quadric, Ray, Triangle};
 use raylanes::oracle::{Exact, Truth};
+use raylanes::study::workload::{in_cube, whole};
 use robust::{Coord3D, orient3d};
 
 const CASES: u32 = 200_000;
@@ -33,18 +36,17 @@ impl Inputs {
         choices[self.0.random_range(0..choices.len())]
     }
 
-    /// A point whose coordinates are whole numbers, at most `reach` in size: on such points everything coincides now
-    /// and then.
+    /// A point with whole coordinates from `-reach` to `reach`. Such points are often equal, on a line or in a plane.
     fn grid(&mut self, reach: i32) -> Vec3 {
-        Vec3::from_array([(); 3].map(|()| self.int(-reach..=reach) as f32))
+        Vec3::from_array([(); 3].map(|()| whole(&mut self.0, reach)))
     }
 
-    /// A point in the unit cube around 0, with all 24 bits of each coordinate in use.
+    /// A point with coordinates from -1 to 1 that use all 24 bits.
     fn float(&mut self) -> Vec3 {
-        Vec3::from_array([(); 3].map(|()| self.0.random_range(-1.0..1.0)))
+        in_cube(&mut self.0, 1.0)
     }
 
-    /// Turns an exact aim into a generic one.
+    /// A small number that moves an exact target to a generic one.
     fn jitter(&mut self) -> f32 {
         self.0.random_range(-0.125..0.125)
     }
@@ -53,7 +55,7 @@ impl Inputs {
         2f32.powi(self.int(range))
     }
 
-    /// The kind of inputs a case is made of, and how far apart its magnitudes may be.
+    /// A point of this kind.
     fn point(&mut self, kind: Kind) -> Vec3 {
         match kind {
             Kind::Grid => self.grid(4),
@@ -69,7 +71,7 @@ impl Inputs {
         }
     }
 
-    /// The direction towards `target`, rounded to `f32`, and an interval.
+    /// A ray towards `target`, its direction rounded to `f32`, with an interval.
     fn ray(&mut self, kind: Kind, target: Vec3) -> Ray<f32> {
         let origin = self.point(kind);
         let dir = (target - origin) * self.power_of_two(-3..=3);
@@ -89,7 +91,7 @@ impl Inputs {
         Ray { origin, dir, t_min, t_max }
     }
 
-    /// A triangle and a ray aimed at its inside, an edge, a vertex, or past it.
+    /// A triangle, and a ray at its inside, an edge or a vertex, or past it.
     fn triangle(&mut self, kind: Kind) -> (Triangle, Ray<f32>) {
         let [v0, v1, v2] = [(); 3].map(|()| self.point(kind));
         let triangle = Triangle { v0, v1, v2 };
@@ -113,7 +115,7 @@ impl Inputs {
         (triangle, self.ray(kind, target))
     }
 
-    /// A box and a ray aimed at its inside, a face, an edge, a corner, or past it, possibly parallel to an axis.
+    /// A box, and a ray at its inside, a face, an edge or a corner, or past it. The ray may be parallel to an axis.
     fn aabb(&mut self, kind: Kind) -> (Aabb, Ray<f32>) {
         let (a, b) = (self.point(kind), self.point(kind));
         let mut shape = Aabb { lo: a.min(b), hi: a.max(b) };
@@ -138,8 +140,8 @@ impl Inputs {
         (shape, ray)
     }
 
-    /// A quadric through a point of its box, or past it, and a ray at that point: on a plane of the box, tangent there,
-    /// along the box, or in any direction.
+    /// A quadric through a point of its box, or past it, and a ray at that point. The point may be on a plane of the
+    /// box. The ray may be tangent, run along the box, or have any direction.
     fn quadric(&mut self, kind: Kind) -> (Quadric, Ray<f32>) {
         let target = self.point(kind);
         let mut quadric = Quadric {
@@ -185,14 +187,14 @@ impl Inputs {
         (quadric, ray)
     }
 
-    /// An affine transform, now and then a mirror or a singular one.
+    /// An affine transform; some are mirrors, some are singular.
     fn transform(&mut self, kind: Kind) -> Affine3 {
         let columns = [(); 3].map(|()| self.point(kind));
         Affine3::from_mat3_translation(Mat3::from_cols(columns[0], columns[1], columns[2]), self.point(kind))
     }
 
-    /// A transform that leaves small whole numbers exact in `f32`: turns, mirrors, powers of two, shears and
-    /// translations by whole numbers.
+    /// A transform under which small whole numbers stay exact in `f32`: rotations, mirrors, powers of two, and shears
+    /// and translations by whole numbers.
     fn exact_transform(&mut self) -> Affine3 {
         let mut axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * self.pick(&[0.25, 0.5, 1.0, 2.0, -1.0, -4.0]));
         axes.rotate_left(self.int(0..=2) as usize);
@@ -206,24 +208,24 @@ impl Inputs {
 enum Kind {
     /// Small whole numbers.
     Grid,
-    /// One magnitude, all bits in use.
+    /// One magnitude, all 24 bits in use.
     Float,
     /// Each coordinate of its own magnitude.
     Mixed,
-    /// From subnormal numbers to nearly the greatest.
+    /// From subnormal numbers to nearly the greatest number.
     Extreme,
 }
 
 const KINDS: [Kind; 4] = [Kind::Grid, Kind::Float, Kind::Mixed, Kind::Extreme];
 
-/// Equality of every bit.
+/// The bits of an answer.
 fn bits(truth: &Truth) -> (bool, bool, [u32; 3]) {
     (truth.hit, truth.boundary, [truth.t, truth.u, truth.v].map(f32::to_bits))
 }
 
 #[track_caller]
 fn assert_same(left: Truth, right: Truth, case: &dyn core::fmt::Debug) {
-    assert_eq!(bits(&left), bits(&right), "{left:?} is not {right:?}: {case:?}");
+    assert_eq!(bits(&left), bits(&right), "{left:?} differs from {right:?}: {case:?}");
 }
 
 #[track_caller]
@@ -231,17 +233,17 @@ fn assert_hit(truth: Truth, t: f32, boundary: bool) {
     assert_eq!((truth.hit, truth.boundary, truth.t), (true, boundary, t), "{truth:?}");
 }
 
-/// How many cases came out which way, so that no test passes on misses alone.
+/// Counts cases by their outcome. No test may pass on misses alone.
 #[derive(Debug, Default)]
-struct Tally {
+struct Count {
     cases: u32,
     sure: u32,
     hits: u32,
     boundaries: u32,
 }
 
-impl Tally {
-    fn count(&mut self, truth: &Truth, sure: bool) {
+impl Count {
+    fn add(&mut self, truth: &Truth, sure: bool) {
         self.cases += 1;
         self.sure += u32::from(sure);
         self.hits += u32::from(truth.hit);
@@ -260,10 +262,10 @@ impl Tally {
 // Filter against exact arithmetic
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// Compares both answers for every kind of input.
+/// Compares filter and exact arithmetic for every kind of input.
 fn filter_agrees<S: Exact>(seed: u64, case: fn(&mut Inputs, Kind) -> (S, Ray<f32>)) {
     for kind in KINDS {
-        let (mut inputs, mut tally) = (Inputs::new(seed), Tally::default());
+        let (mut inputs, mut count) = (Inputs::new(seed), Count::default());
         for _ in 0..CASES / 4 {
             let (shape, ray) = case(&mut inputs, kind);
             let exact = shape.truth_exact(&ray);
@@ -273,13 +275,13 @@ fn filter_agrees<S: Exact>(seed: u64, case: fn(&mut Inputs, Kind) -> (S, Ray<f32
             }
             assert_same(shape.truth(&ray), exact, &(kind, shape, ray));
             assert!(exact.hit || bits(&exact) == bits(&Truth::MISS), "a miss has one content: {exact:?}");
-            tally.count(&exact, filtered.is_some());
+            count.add(&exact, filtered.is_some());
         }
         match kind {
-            Kind::Grid => tally.assert_shares(&kind, 0.0, 0.2, 0.1),
-            Kind::Float => tally.assert_shares(&kind, 0.9, 0.2, 0.0),
-            Kind::Mixed => tally.assert_shares(&kind, 0.4, 0.05, 0.0),
-            Kind::Extreme => tally.assert_shares(&kind, 0.1, 0.02, 0.0),
+            Kind::Grid => count.assert_shares(&kind, 0.0, 0.2, 0.1),
+            Kind::Float => count.assert_shares(&kind, 0.9, 0.2, 0.0),
+            Kind::Mixed => count.assert_shares(&kind, 0.4, 0.05, 0.0),
+            Kind::Extreme => count.assert_shares(&kind, 0.1, 0.02, 0.0),
         }
     }
 }
@@ -323,7 +325,7 @@ fn filter_agrees_on_placed_quadrics() {
     });
 }
 
-/// The shape put into the world, and the ray too, so that it still hits, up to rounding.
+/// Transforms shape and ray to the world. The ray still meets its target, up to rounding.
 fn placed<S>(shape: S, object_to_world: Affine3, ray: Ray<f32>) -> (Placed<S>, Ray<f32>) {
     let Ray { origin, dir, t_min, t_max } = ray;
     let origin = object_to_world.transform_point3(origin);
@@ -335,14 +337,14 @@ fn placed<S>(shape: S, object_to_world: Affine3, ray: Ray<f32>) -> (Placed<S>, R
 // Triangles against an adaptive predicate
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// Twice the sign of the volume that four points span.
+/// The sign of the volume that four points span.
 fn side(points: [Vec3; 4]) -> i32 {
     let [a, b, c, d] = points.map(|p| Coord3D { x: f64::from(p.x), y: f64::from(p.y), z: f64::from(p.z) });
     let volume = orient3d(a, b, c, d);
     i32::from(volume > 0.0) - i32::from(volume < 0.0)
 }
 
-/// Whether the segment from `o` to `p` hits, and whether it does so on a boundary, by signs of volumes alone.
+/// Whether the segment from `o` to `p` hits, and whether on a boundary: by signs of volumes alone.
 fn segment_hits(Triangle { v0, v1, v2 }: Triangle, o: Vec3, p: Vec3) -> (bool, bool) {
     let edges = [(v0, v1), (v1, v2), (v2, v0)].map(|(a, b)| side([o, p, a, b]));
     let (starts, ends) = (side([v0, v1, v2, o]), side([v0, v1, v2, p]));
@@ -354,15 +356,15 @@ fn segment_hits(Triangle { v0, v1, v2 }: Triangle, o: Vec3, p: Vec3) -> (bool, b
 #[test]
 fn triangles_agree_with_an_independent_predicate() {
     for (seed, reach) in [(10, 3), (11, 40), (12, 1 << 20)] {
-        let (mut inputs, mut tally) = (Inputs::new(seed), Tally::default());
+        let (mut inputs, mut count) = (Inputs::new(seed), Count::default());
         for _ in 0..CASES / 3 + 1 {
-            // Even coordinates, so that midpoints of edges are exact too.
+            // Even coordinates: midpoints of edges are then exact too.
             let [v0, v1, v2, mut p, mut o] = [(); 5].map(|()| inputs.grid(reach) * 2.0);
             let triangle = Triangle { v0, v1, v2 };
             if inputs.int(0..=3) > 0 {
                 p = inputs.pick(&[v0, v1, (v0 + v1) / 2.0, (v1 + v2) / 2.0, (v0 + v1) / 4.0 + v2 / 2.0]).round();
                 if inputs.int(0..=2) > 0 {
-                    // Through the target, and out on the other side.
+                    // The segment passes through the target and ends on the other side.
                     o = p + ((o - p) / 4.0).round();
                     p -= o - p;
                 }
@@ -376,9 +378,9 @@ fn triangles_agree_with_an_independent_predicate() {
             let truth = triangle.truth_exact(&ray);
             assert_eq!((truth.hit, truth.boundary), segment_hits(triangle, o, p), "{triangle:?} {ray:?}");
             assert_same(triangle.truth(&ray), truth, &(triangle, ray));
-            tally.count(&truth, true);
+            count.add(&truth, true);
         }
-        tally.assert_shares(&reach, 1.0, 0.2, 0.1);
+        count.assert_shares(&reach, 1.0, 0.2, 0.1);
     }
 }
 
@@ -398,7 +400,7 @@ impl Ratio {
         Self { num: num * den.signum(), den: den.abs() }
     }
 
-    /// A number with no more than eight binary places.
+    /// A number with at most eight binary places.
     fn of(value: f32) -> Self {
         assert_eq!(value * 256.0, (value * 256.0).round());
         Self { num: (value * 256.0) as i128, den: 256 }
@@ -434,7 +436,7 @@ fn contains(shape: &Aabb, ray: &Ray<f32>, t: Ratio) -> (bool, bool) {
     (closed, open)
 }
 
-/// The answer by trying every `t` at which the ray could enter or leave. Needs coordinates with few binary places.
+/// The answer found by trying every `t` at which the ray could enter or leave. Coordinates must have few binary places.
 fn search(shape: &Aabb, ray: &Ray<f32>) -> Truth {
     let mut candidates = vec![Ratio::of(0.0)];
     candidates.extend([ray.t_min, ray.t_max].iter().filter(|t| t.is_finite()).map(|t| Ratio::of(*t)));
@@ -446,7 +448,7 @@ fn search(shape: &Aabb, ray: &Ray<f32>) -> Truth {
             }
         }
     }
-    // Beyond all others on both sides: found only where the ray runs on for ever.
+    // Beyond all others on both sides: they remain only where the ray never enters or never leaves.
     let farthest = 1 << 40;
     candidates.extend([-farthest, farthest].map(|t| Ratio::new(t, 1)));
 
@@ -463,7 +465,7 @@ fn search(shape: &Aabb, ray: &Ray<f32>) -> Truth {
     let rounded = |t: Ratio| match t.num / t.den {
         t if t == farthest => INF,
         t if t == -farthest => -INF,
-        // At most 53 bits on either side, and far too few for a tie: f64 rounds to f32 as the exact value would.
+        // At most 53 bits on either side, and too few for a tie: rounding through f64 gives the same f32.
         _ => (t.num as f64 / t.den as f64) as f32,
     };
     Truth { hit: true, boundary: !strictly_inside, t: rounded(entry), u: rounded(exit), v: 0.0 }
@@ -471,17 +473,17 @@ fn search(shape: &Aabb, ray: &Ray<f32>) -> Truth {
 
 #[test]
 fn boxes_agree_with_a_search() {
-    let (mut inputs, mut tally) = (Inputs::new(20), Tally::default());
+    let (mut inputs, mut count) = (Inputs::new(20), Count::default());
     for _ in 0..CASES {
         let (shape, ray) = inputs.aabb(Kind::Grid);
         let truth = shape.truth_exact(&ray);
         let expected = if ray.is_valid() { search(&shape, &ray) } else { Truth::MISS };
-        // By value: a bound of -0 and an entry at 0 are the same place.
+        // Compared by value: a bound of -0 equals an entry at 0.
         assert_eq!(truth, expected, "{shape:?} {ray:?}");
         assert_same(shape.truth(&ray), truth, &(shape, ray));
-        tally.count(&truth, true);
+        count.add(&truth, true);
     }
-    tally.assert_shares(&"boxes", 1.0, 0.3, 0.1);
+    count.assert_shares(&"boxes", 1.0, 0.3, 0.1);
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -498,7 +500,7 @@ struct Whole {
 }
 
 impl Whole {
-    /// Scaled so that all is whole. Needs coordinates with few binary places.
+    /// Scaled to whole numbers. Coordinates must have few binary places.
     fn of(quadric: &Quadric, ray: &Ray<f32>) -> Self {
         let units = |v: Vec3| v.to_array().map(|x| Ratio::of(x).num);
         let [s, p, l] = [quadric.squares, quadric.products, quadric.linear].map(units);
@@ -511,12 +513,12 @@ impl Whole {
             b += 2 * s[i] * o[i] * d[i] + p[i] * (o[j] * d[m] + o[m] * d[j]) + 256 * l[i] * d[i];
             c += s[i] * o[i] * o[i] + p[i] * o[j] * o[m] + 256 * l[i] * o[i];
         }
-        // By their common power of two, so that squares fit.
+        // Divided by their common power of two: then their squares fit.
         let [a, b, c] = [a, b, c].map(|coefficient| coefficient >> (a | b | c | 1 << 60).trailing_zeros());
         Self { a, b, c, discriminant: b * b - 4 * a * c }
     }
 
-    /// How the root `(-b + sign·√discriminant) / 2a`, or of a linear equation `-c / b`, compares to `t`.
+    /// Compares the root `(-b + sign·√discriminant) / 2a`, or `-c / b` of a linear equation, with `t`.
     fn compare(&self, sign: i128, t: Ratio) -> Ordering {
         let Self { a, b, c, discriminant } = *self;
         if a == 0 {
@@ -533,7 +535,8 @@ impl Whole {
     }
 }
 
-/// The answer, but for `t`, and the sign of the square root in the root that is hit.
+/// The equation of the ray, the sign of the square root in the nearest root within box and interval, and whether that
+/// root is on a boundary. `None` for a miss.
 fn nearest_root(quadric: &Quadric, ray: &Ray<f32>) -> Option<(Whole, i128, bool)> {
     let Aabb { lo, hi } = quadric.clip;
     let whole = Whole::of(quadric, ray);
@@ -575,12 +578,12 @@ fn nearest_root(quadric: &Quadric, ray: &Ray<f32>) -> Option<(Whole, i128, bool)
 
 #[test]
 fn quadrics_agree_with_roots_compared_by_squaring() {
-    let (mut inputs, mut tally) = (Inputs::new(25), Tally::default());
+    let (mut inputs, mut count) = (Inputs::new(25), Count::default());
     let (mut rational, mut irrational, mut tangent, mut linear) = (0, 0, 0, 0);
     for _ in 0..CASES {
         let (mut quadric, mut ray) = inputs.quadric(Kind::Grid);
         if inputs.int(0..=3) == 0 {
-            // Right triangles in whole numbers: a sphere, cut by a ray along z at a rational height.
+            // Right triangles in whole numbers: a ray along z meets a sphere at a rational height.
             let (short, other, long) = inputs.pick(&[(3, 4, 5), (5, 12, 13), (8, 15, 17), (7, 24, 25), (20, 21, 29)]);
             let high = inputs.pick(&[other, other / 2, 0]) as f32;
             let clip = Aabb { lo: Vec3::splat(-64.0), hi: Vec3::splat(64.0) };
@@ -594,7 +597,7 @@ fn quadrics_agree_with_roots_compared_by_squaring() {
         assert_same(quadric.truth(&ray), truth, &(quadric, ray));
         let decision = expected.map(|(.., boundary)| boundary);
         assert_eq!(truth.hit.then_some(truth.boundary), decision, "{quadric:?} {ray:?}: {expected:?}");
-        tally.count(&truth, true);
+        count.add(&truth, true);
         let Some((whole, sign, _)) = expected else { continue };
         let Whole { a, b, c, discriminant } = whole;
         let root = discriminant.isqrt();
@@ -606,11 +609,11 @@ fn quadrics_agree_with_roots_compared_by_squaring() {
             rational += u32::from(a != 0 && root > 0);
             tangent += u32::from(a != 0 && root == 0);
         } else {
-            // Between the midpoints to both neighbours, never on one: rational numbers are no irrational ones.
+            // Strictly between the midpoints to both neighbours: the root is irrational, the midpoints are rational.
             let midpoint = |other: f32| {
                 let (mean, places) = ((f64::from(truth.t) + f64::from(other)) / 2.0, 60);
                 let num = (mean * 2f64.powi(places)) as i128;
-                assert_eq!(num as f64, mean * 2f64.powi(places), "{quadric:?} {ray:?}: too small for this test");
+                assert_eq!(num as f64, mean * 2f64.powi(places), "{quadric:?} {ray:?}: t is too small for this test");
                 let shift = num.trailing_zeros().min(places as u32);
                 Ratio::new(num >> shift, 1 << (places as u32 - shift))
             };
@@ -620,7 +623,7 @@ fn quadrics_agree_with_roots_compared_by_squaring() {
             irrational += 1;
         }
     }
-    tally.assert_shares(&"quadrics", 1.0, 0.3, 0.1);
+    count.assert_shares(&"quadrics", 1.0, 0.3, 0.1);
     let least = rational.min(irrational).min(tangent).min(linear);
     assert!(least > 1000, "{rational} {irrational} {tangent} {linear}");
 }
@@ -629,10 +632,11 @@ fn quadrics_agree_with_roots_compared_by_squaring() {
 // Rounding
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// `num / den · 2^exponent`, rounded to the nearest even `f32`: to a whole number of the spacing that `f32` has there.
+/// `num / den · 2^exponent`, rounded to the nearest `f32`, ties to even: a whole number of the spacing of `f32` there.
 fn nearest(num: i128, den: i128, exponent: i32) -> f32 {
     let magnitude = num.unsigned_abs().ilog2() as i32 - den.ilog2() as i32 + exponent;
-    // The quotient may lie one power of two lower than its parts suggest; a spacing too fine gives 25 bits.
+    // The quotient may be one power of two lower than the bits of its parts suggest. Then the first spacing is too
+    // coarse.
     for candidate in [magnitude, magnitude - 1] {
         let spacing = (candidate - 23).max(-149);
         let (size, den) = match exponent - spacing {
@@ -651,7 +655,7 @@ fn nearest(num: i128, den: i128, exponent: i32) -> f32 {
 }
 
 #[test]
-fn the_reference_rounding_is_right() {
+fn the_reference_rounding_is_correct() {
     for (num, den, exponent, expected) in [
         (1, 3, 0, 1.0 / 3.0),
         (-1, 3, 0, -1.0 / 3.0),
@@ -670,8 +674,9 @@ fn the_reference_rounding_is_right() {
     }
 }
 
-/// `t = (near + back) / speed`, exactly, found in four ways: by a ray along z that meets a triangle in the plane
-/// z = `near`, and that enters or (for a negative speed) leaves a box which begins there.
+/// The oracle's `t` where exactly `t = (near + back) / speed`, in four ways. A ray along z meets a triangle in the
+/// plane z = `near`, and enters (or for a negative speed leaves) a box that begins there; both once plain and once
+/// placed.
 fn head_on(near: f32, back: f32, speed: f32) -> [f32; 4] {
     let ray = Ray { origin: xyz(0.25, 0.25, -back), dir: xyz(0.0, 0.0, speed), t_min: -INF, t_max: INF };
     let triangle = Triangle { v0: xyz(0.0, 0.0, near), v1: xyz(1.0, 0.0, near), v2: xyz(0.0, 1.0, near) };
@@ -690,11 +695,11 @@ fn t_is_correctly_rounded() {
     let mut inputs = Inputs::new(30);
     let (mut subnormal, mut infinite, mut zero, mut ties) = (0, 0, 0, 0);
     for _ in 0..CASES / 4 {
-        // Up to 48 bits, as the sum of two f32.
+        // A numerator of up to 48 bits: the sum of two f32.
         let (high, low) = (inputs.int(0..=0xff_ffff), inputs.int(1..=0xff_ffff));
         let (high, low, split) = match inputs.int(0..=2) {
             0 => (high, low, 24),
-            // Few bits beyond the 24 that fit: ties.
+            // Few bits more than 24: ties.
             1 => (high, low % 3 + 1, 2),
             _ => (0, low, 0),
         };
@@ -712,7 +717,11 @@ fn t_is_correctly_rounded() {
         let num = (i128::from(high) << split) + i128::from(low);
         let expected = nearest(num, divisor.into(), up - down).copysign(speed);
         for t in head_on(near, back, speed) {
-            assert_eq!(t.to_bits(), expected.to_bits(), "{t:?}, not {expected:?} = ({near:?} + {back:?}) / {speed:?}");
+            assert_eq!(
+                t.to_bits(),
+                expected.to_bits(),
+                "{t:?} instead of {expected:?} = ({near:?} + {back:?}) / {speed:?}"
+            );
         }
         subnormal += u32::from(expected.is_subnormal());
         infinite += u32::from(expected.is_infinite());
@@ -722,7 +731,7 @@ fn t_is_correctly_rounded() {
     assert!(subnormal > 500 && infinite > 500 && zero > 100 && ties > 100, "{subnormal} {infinite} {zero} {ties}");
 }
 
-/// `t² = m² + sign·tiny²`, for an m halfway between two neighbours in `f32`.
+/// Roots with `t² = m² + sign·tiny²`, where `m` is halfway between two neighbours in `f32`.
 #[test]
 fn roots_next_to_a_tie_are_correctly_rounded() {
     let mut inputs = Inputs::new(32);
@@ -743,7 +752,7 @@ fn roots_next_to_a_tie_are_correctly_rounded() {
             let ray = Ray { t_min: -INF, ..Ray::new(xyz(0.0, below, tiny), Vec3::X) };
             assert_hit(quadric.truth(&ray), -expected, false);
             assert_hit(quadric.truth(&Ray { t_min: 0.0, ..ray }), expected, false);
-            assert_eq!(quadric.truth_filtered(&ray), None, "too close for f64");
+            assert_eq!(quadric.truth_filtered(&ray), None, "the filter cannot be sure in f64");
         }
     }
 }
@@ -772,8 +781,8 @@ fn u_and_v_are_correctly_rounded() {
 // ---------------------------------------------------------------------------------------------------------------------
 
 #[test]
-fn a_placed_triangle_is_the_transformed_triangle() {
-    let (mut inputs, mut tally) = (Inputs::new(40), Tally::default());
+fn a_placed_triangle_is_hit_like_the_transformed_triangle() {
+    let (mut inputs, mut count) = (Inputs::new(40), Count::default());
     for _ in 0..CASES / 4 {
         let (shape, ray) = inputs.triangle(Kind::Grid);
         let identity = Placed { shape, object_to_world: Affine3::IDENTITY };
@@ -786,40 +795,40 @@ fn a_placed_triangle_is_the_transformed_triangle() {
         let placed = Placed { shape, object_to_world };
         assert_same(placed.truth_exact(&ray), truth, &(placed, ray));
         assert_same(placed.truth(&ray), truth, &(placed, ray));
-        tally.count(&truth, true);
+        count.add(&truth, true);
     }
-    tally.assert_shares(&"placed triangles", 1.0, 0.3, 0.1);
+    count.assert_shares(&"placed triangles", 1.0, 0.3, 0.1);
 }
 
-fn meets_the_untransformed_ray_as_before<S>(seed: u64, name: &str, input: fn(&mut Inputs, Kind) -> (S, Ray<f32>))
+fn hits_like_the_untransformed_shape<S>(seed: u64, name: &str, input: fn(&mut Inputs, Kind) -> (S, Ray<f32>))
 where
     S: Exact,
     Placed<S>: Exact,
 {
-    let (mut inputs, mut tally) = (Inputs::new(seed), Tally::default());
+    let (mut inputs, mut count) = (Inputs::new(seed), Count::default());
     for _ in 0..CASES / 4 {
         let (shape, ray) = input(&mut inputs, Kind::Grid);
         let truth = shape.truth_exact(&ray);
         let identity = Placed { shape, object_to_world: Affine3::IDENTITY };
         assert_same(identity.truth(&ray), truth, &(shape, ray));
 
-        // The transform moves shape and ray exactly, so nothing may change, least of all t.
+        // The transform moves shape and ray exactly, so the answer must stay the same, with its t.
         let (placed, moved) = placed(shape, inputs.exact_transform(), ray);
         assert_same(placed.truth_exact(&moved), truth, &(placed, moved));
         assert_same(placed.truth(&moved), truth, &(placed, moved));
-        tally.count(&truth, true);
+        count.add(&truth, true);
     }
-    tally.assert_shares(&name, 1.0, 0.3, 0.1);
+    count.assert_shares(&name, 1.0, 0.3, 0.1);
 }
 
 #[test]
-fn a_placed_box_meets_the_untransformed_ray_as_before() {
-    meets_the_untransformed_ray_as_before(41, "placed boxes", Inputs::aabb);
+fn a_placed_box_is_hit_like_the_box() {
+    hits_like_the_untransformed_shape(41, "placed boxes", Inputs::aabb);
 }
 
 #[test]
-fn a_placed_quadric_meets_the_untransformed_ray_as_before() {
-    meets_the_untransformed_ray_as_before(42, "placed quadrics", Inputs::quadric);
+fn a_placed_quadric_is_hit_like_the_quadric() {
+    hits_like_the_untransformed_shape(42, "placed quadrics", Inputs::quadric);
 }
 
 #[test]
@@ -830,13 +839,13 @@ fn transforms_without_inverse_miss() {
     let ray = Ray::new(Vec3::new(0.25, 0.25, -1.0), Vec3::Z);
     let mut not_finite = Affine3::IDENTITY;
     not_finite.translation.x = INF;
-    // Flattened along z, the triangle would still be there; its instance is not.
+    // Flattened along z the triangle itself stays the same, but a transform without inverse has no hits.
     for object_to_world in [Affine3::from_scale(Vec3::new(1.0, 1.0, 0.0)), not_finite] {
         assert_eq!(Placed { shape: triangle, object_to_world }.truth(&ray), Truth::MISS);
         assert_eq!(Placed { shape: unit, object_to_world }.truth(&ray), Truth::MISS);
         assert_eq!(Placed { shape: sphere, object_to_world }.truth(&ray), Truth::MISS);
     }
-    // A determinant far below the least f64 is still not zero.
+    // A determinant of about 3e-135 is not zero.
     let object_to_world = Affine3::from_scale(Vec3::splat(1e-45));
     let ray = Ray::new(Vec3::new(0.0, 0.0, -1.0), Vec3::Z);
     assert_hit(Placed { shape: triangle, object_to_world }.truth(&ray), 1.0, true);
@@ -887,7 +896,7 @@ fn degenerate_triangles_miss() {
 }
 
 #[test]
-fn both_sides_and_all_ends_of_a_triangle_are_hit() {
+fn triangles_are_closed_and_hit_from_both_sides() {
     let triangle = Triangle { v0: Vec3::ZERO, v1: Vec3::X, v2: Vec3::Y };
     let towards = |x, y, t_min, t_max| Ray { t_min, t_max, ..Ray::new(xyz(x, y, -1.0), Vec3::Z) };
     for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.5, 0.0), (0.0, 0.5)] {
@@ -904,12 +913,12 @@ fn both_sides_and_all_ends_of_a_triangle_are_hit() {
     assert_hit(triangle.truth(&towards(0.25, 0.25, before, 1.0)), 1.0, true);
     assert_eq!(triangle.truth(&towards(0.25, 0.25, after, INF)), Truth::MISS);
     assert_eq!(triangle.truth(&towards(0.25, 0.25, -INF, before)), Truth::MISS);
-    // Parallel to the plane, and within it.
+    // Within the plane.
     assert_eq!(triangle.truth(&Ray::new(xyz(-1.0, 0.25, 0.0), Vec3::X)), Truth::MISS);
 }
 
 #[test]
-fn slabs() {
+fn boxes_are_closed() {
     let unit = Aabb { lo: Vec3::ZERO, hi: Vec3::ONE };
     for zero in [0.0, -0.0] {
         for x in [0.0, 1.0] {
@@ -918,10 +927,10 @@ fn slabs() {
     }
     assert_hit(unit.truth(&Ray::new(xyz(0.5, 0.0, -1.0), Vec3::Z)), 1.0, true);
     assert_eq!(unit.truth(&Ray::new(xyz(-5.0, 1.0, -1.0), Vec3::X)), Truth::MISS);
-    // On the surface, on the way out.
+    // The origin is on the surface, and the ray leaves.
     let leaving = unit.truth(&Ray::new(xyz(0.5, 0.5, 1.0), Vec3::Z));
     assert_eq!(leaving, Truth { hit: true, boundary: true, t: 0.0, u: 0.0, v: 0.0 });
-    // And on the way in.
+    // The origin is on the surface, and the ray enters.
     let entering = unit.truth(&Ray::new(xyz(0.5, 0.5, 0.0), Vec3::Z));
     assert_eq!(entering, Truth { hit: true, boundary: false, t: 0.0, u: 1.0, v: 0.0 });
 
@@ -930,20 +939,20 @@ fn slabs() {
     assert_hit(flat.truth(&Ray::new(xyz(0.0, 0.5, 0.5), Vec3::X)), 0.5, true);
     assert_eq!(flat.truth(&Ray::new(xyz(0.5f32.next_up(), 0.5, -1.0), Vec3::Z)), Truth::MISS);
 
-    // A corner, touched from outside and passed on its way in.
+    // An edge, touched from outside, and a corner through which the ray enters.
     assert_hit(unit.truth(&Ray::new(xyz(-1.0, 1.0, 0.5), xyz(1.0, -1.0, 0.0))), 1.0, true);
     assert_hit(unit.truth(&Ray::new(xyz(-1.0, -1.0, -1.0), Vec3::ONE)), 1.0, false);
 }
 
 #[test]
-fn spheres_near_and_far() {
+fn spheres_are_hit_at_known_points() {
     let unit = Quadric::sphere(1.0);
     assert_hit(unit.truth(&Ray::new(xyz(0.5, 0.0, -1e4), Vec3::Z)), 9_999.134, false);
     assert_eq!(unit.truth(&Ray::new(xyz(1.001, 0.0, -4096.0), Vec3::Z)), Truth::MISS);
     assert_hit(unit.truth(&Ray::new(xyz(1.0, 0.0, -3.0), Vec3::Z)), 3.0, true);
     assert_eq!(unit.truth(&Ray::new(xyz(1f32.next_up(), 0.0, -3.0), Vec3::Z)), Truth::MISS);
     assert_hit(unit.truth(&Ray::new(xyz(1f32.next_down(), 0.0, -3.0), Vec3::Z)), 2.999_654_8, false);
-    // From within, from the surface, and of an interval's ends.
+    // From inside, from the surface, and at the ends of the interval.
     assert_hit(unit.truth(&Ray::new(Vec3::ZERO, Vec3::Z)), 1.0, false);
     let within = |t_min, t_max| unit.truth(&Ray { t_min, t_max, ..Ray::new(xyz(0.0, 0.0, -1.0), Vec3::Z) });
     assert_hit(within(0.0, INF), 0.0, true);
@@ -952,17 +961,17 @@ fn spheres_near_and_far() {
     assert_hit(within(-INF, INF), 0.0, false);
     assert_eq!(within(0.5, 1.5), Truth::MISS);
     assert_eq!(within(2f32.next_up(), INF), Truth::MISS);
-    // Cut off above the equator, or exactly at the pole that the ray leaves by.
+    // Clipped above the equator, or exactly at the pole that the ray meets.
     let clipped = |hi: f32| Quadric { clip: Aabb { hi: xyz(9.0, 9.0, hi), ..unit.clip }, ..unit };
     assert_hit(clipped(0.0).truth(&Ray::new(xyz(0.0, 0.0, 2.0), Vec3::NEG_Z)), 3.0, false);
     assert_hit(clipped(1.0).truth(&Ray::new(xyz(0.0, 0.0, 2.0), Vec3::NEG_Z)), 1.0, true);
     assert_eq!(clipped(0.0).truth(&Ray::new(Vec3::ZERO, Vec3::Z)), Truth::MISS);
-    // Within a plane that it is cut by.
+    // Within a clip plane.
     assert_hit(clipped(0.0).truth(&Ray::new(xyz(-3.0, 0.0, 0.0), Vec3::X)), 2.0, true);
 }
 
 #[test]
-fn other_quadrics() {
+fn other_quadrics_are_hit_at_known_points() {
     let bowl = Quadric::paraboloid(2.0, 4.0);
     assert_hit(bowl.truth(&Ray::new(xyz(0.5, 0.25, -2.0), xyz(1e-4, 0.0, 1.0))), 2.312_731_3, false);
     assert_hit(bowl.truth(&Ray::new(xyz(0.5, 0.25, -2.0), Vec3::Z)), 2.312_5, false);
@@ -972,12 +981,12 @@ fn other_quadrics() {
     assert_eq!(tube.truth(&Ray::new(xyz(1.0, 0.0, 0.0), Vec3::Z)), Truth::MISS, "a ray within the surface");
     assert_hit(tube.truth(&Ray::new(xyz(-3.0, 0.0, 2.0), Vec3::X)), 2.0, true);
     assert_hit(tube.truth(&Ray::new(xyz(-3.0, 0.0, 3.0), xyz(1.0, 0.0, -0.5))), 2.0, true);
-    // The near wall is cut off, the far one is not.
+    // The near wall is clipped away, the far one is not.
     assert_hit(tube.truth(&Ray::new(xyz(-3.0, 0.0, 3.5), xyz(1.0, 0.0, -0.5))), 4.0, false);
     let cone = Quadric::cone(1.0, 1.0);
     assert_hit(cone.truth(&Ray::new(xyz(-1.0, 0.0, 0.0), Vec3::X)), 1.0, true);
     assert_hit(cone.truth(&Ray::new(xyz(-1.0, 0.0, 0.5), Vec3::X)), 0.5, false);
-    // Parallel to a generatrix: one root, the other is infinitely far. Within one: none.
+    // Parallel to a generatrix: one root, the other is infinite. Within a generatrix: none.
     assert_hit(cone.truth(&Ray::new(xyz(-1.0, 0.0, -0.5), xyz(1.0, 0.0, 1.0))), 0.75, false);
     assert_eq!(cone.truth(&Ray::new(xyz(-1.0, 0.0, -1.0), xyz(1.0, 0.0, 1.0))), Truth::MISS);
 }
@@ -1000,11 +1009,11 @@ fn quadrics_that_miss_everything() {
     }
     assert_eq!(misses(Quadric { clip: Aabb::EMPTY, ..unit }), [true; 2]);
     assert_eq!(misses(Quadric { clip: Aabb { lo: xyz(f32::NAN, -2.0, -2.0), ..unit.clip }, ..unit }), [true; 2]);
-    assert_eq!(misses(Quadric { squares: Vec3::ZERO, constant: 0.0, ..unit }), [true; 2], "everywhere is nowhere");
+    assert_eq!(misses(Quadric { squares: Vec3::ZERO, constant: 0.0, ..unit }), [true; 2], "0 = 0 is no surface");
 }
 
 #[test]
-fn empty_and_unbounded_boxes() {
+fn empty_boxes_miss_and_infinite_boxes_are_hit() {
     let ray = Ray::new(xyz(0.5, 0.5, -1.0), Vec3::Z);
     let anything = Ray { t_min: -INF, ..ray };
     let nan = Aabb { lo: xyz(0.0, f32::NAN, 0.0), hi: Vec3::ONE };
@@ -1051,7 +1060,7 @@ fn rays_that_miss_everything() {
     assert_eq!(misses(&Ray { t_min: f32::NAN, ..good }), [true; 6]);
     assert_eq!(misses(&Ray { t_max: f32::NAN, ..good }), [true; 6]);
     assert_eq!(misses(&Ray { t_min: 2.0, t_max: 0.5, ..good }), [true; 6]);
-    assert_eq!(misses(&Ray { t_min: INF, ..good }), [true; 6], "no finite t is that late");
-    assert_eq!(misses(&Ray { t_min: -INF, t_max: -INF, ..good }), [true; 6], "no finite t is that early");
+    assert_eq!(misses(&Ray { t_min: INF, ..good }), [true; 6], "no finite t is inf");
+    assert_eq!(misses(&Ray { t_min: -INF, t_max: -INF, ..good }), [true; 6], "no finite t is -inf");
     assert_eq!(misses(&Ray::INACTIVE), [true; 6]);
 }

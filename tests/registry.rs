@@ -1,4 +1,4 @@
-//! Everything that is a kernel is in the registry, and under one name only.
+//! Tests that every kernel file is in the registry, that IDs are unique, and that every kernel describes itself.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -17,18 +17,32 @@ struct Methods {
 impl<S: Shape> Visitor<S> for Methods {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
         let info = K::INFO;
-        assert!(info.id.method.starts_with(&format!("{}/", S::FAMILY)), "{} is not of family {}", info.id, S::FAMILY);
-        assert!(!info.idea.is_empty() && !info.source.is_empty(), "{} does not say what it is", info.id);
-        assert_ne!(info.operations, Operations::NONE, "{} does not count its operations", info.id);
+        assert!(
+            info.id.method.starts_with(&format!("{}/", S::FAMILY)),
+            "the family of {} is not {}",
+            info.id,
+            S::FAMILY
+        );
+        assert!(!info.idea.is_empty() && !info.source.is_empty(), "{} has no idea or no source", info.id);
+        assert_ne!(info.operations, Operations::NONE, "{} has no operation counts", info.id);
         let prepares_rays = size_of::<<K as Intersect<f32>>::Setup>() > 0;
-        assert_eq!(info.setup != Operations::NONE, prepares_rays, "{} does not count those of its setup", info.id);
-        assert!(info.operations.reads as usize * 4 <= size_of::<K>(), "{} reads more than it prepares", info.id);
+        assert_eq!(
+            info.setup != Operations::NONE,
+            prepares_rays,
+            "{} has wrong operation counts of its setup",
+            info.id
+        );
+        assert!(
+            info.operations.reads as usize * 4 <= size_of::<K>(),
+            "{} counts more reads than it has prepared numbers",
+            info.id
+        );
         self.ids.push(info.id.to_string());
         self.methods.insert(info.id.method.into());
     }
 }
 
-/// Whether kernels that know the boxes of eight triangles know the right ones.
+/// Compares the boxes that kernels return for eight triangles with the boxes of the triangles.
 struct Bounds {
     triangles: [Triangle; 8],
     known: usize,
@@ -46,7 +60,7 @@ impl Visitor<Triangle> for Bounds {
 }
 
 #[test]
-fn boxes_that_kernels_know_are_those_of_the_shapes() {
+fn kernels_return_the_boxes_of_their_triangles() {
     let vertex = |number: usize| {
         let component = |by: usize| ((number * 7919 + 17) * by % 1009) as f32 / 1009.0 - 0.5;
         Vec3::new(component(31), component(101), component(331))
@@ -58,7 +72,7 @@ fn boxes_that_kernels_know_are_those_of_the_shapes() {
     });
     let mut bounds = Bounds { triangles, known: 0 };
     registry::triangles(&mut bounds);
-    assert!(bounds.known >= 4, "{} kernels know boxes", bounds.known);
+    assert!(bounds.known >= 4, "only {} kernels return boxes", bounds.known);
 }
 
 fn registered() -> Methods {
@@ -88,8 +102,8 @@ fn every_kernel_file_is_registered_or_named_absent() {
     assert!(files.len() >= 7, "only found {files:?}");
     let mut methods = registered().methods;
     for absent in registry::absent() {
-        assert!(!absent.reason.is_empty(), "{} does not say why it is absent", absent.id);
+        assert!(!absent.reason.is_empty(), "{} is absent without a reason", absent.id);
         assert!(methods.insert(absent.id.into()), "{} is both registered and absent", absent.id);
     }
-    assert_eq!(files, methods, "left: kernel files, right: registry, with what it names absent");
+    assert_eq!(files, methods, "left: kernel files, right: registered and absent kernels");
 }

@@ -1,4 +1,5 @@
-//! Scene files: what they make, what is refused and with which words, and that nothing makes the loader panic.
+//! Tests of the loader of scene files: what it loads, which files it refuses with which message, and that it never
+//! panics.
 
 mod files;
 mod random;
@@ -16,7 +17,7 @@ use raylanes::tracer::{
 use files::{Files, is_short_line, mutate};
 use random::Random;
 
-/// A corner of a cube, beside the scene files of the tests.
+/// A corner of a cube, as an OBJ file next to the scene files of the tests.
 const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
 
 fn load(text: &str) -> LoadedScene {
@@ -25,7 +26,7 @@ fn load(text: &str) -> LoadedScene {
     load_scene(&files.write("x.toml", text)).unwrap()
 }
 
-/// The world of a file that nothing is to be said about.
+/// The world of a file. The loader must have no remarks.
 fn world(text: &str) -> World {
     let scene = load(text);
     assert_eq!(scene.remarks, Vec::<String>::new());
@@ -52,8 +53,8 @@ fn placed(instance: &str) -> Placement {
 fn geometries_and_instances_are_in_file_order_meshes_first() {
     let world = world(&format!(
         "{BALL}[[instance]]\nof = 'ball'\n[[mesh]]\nname = 'corner'\nfile = 'corner.obj'\n[[instance]]\nof = 'corner'\n\
-         [[mesh]]\nname = 'round'\ngenerator = 'sphere:1e3'\n[[scatter]]\nof = 'round'\ncount = 2\narea = {{ lo = [0, 0], \
-         hi = [1, 1] }}\n[[instance]]\nof = 'ball'\ncolor = [1, 0, 0.5]\n"
+         [[mesh]]\nname = 'round'\ngenerator = 'sphere:1e3'\n[[scatter]]\nof = 'round'\ncount = 2\n\
+         area = {{ lo = [0, 0], hi = [1, 1] }}\n[[instance]]\nof = 'ball'\ncolor = [1, 0, 0.5]\n"
     ));
     let [Geometry::Mesh(corner), Geometry::Mesh(round), Geometry::Quadric(ball)] = world.geometries() else { panic!() };
     assert_eq!((corner.len(), round.len(), *ball), (3, 1_152, Quadric::sphere(2.0)));
@@ -65,7 +66,7 @@ fn geometries_and_instances_are_in_file_order_meshes_first() {
 }
 
 #[test]
-fn every_kind_of_quadric_is_its_constructor() {
+fn every_kind_of_quadric_calls_its_constructor() {
     let abc = Vec3::new(1.0, 2.0, 3.0);
     for (text, expected) in [
         ("sphere = { radius = 0.5 }", Quadric::sphere(0.5)),
@@ -124,7 +125,7 @@ fn transforms_apply_from_left_to_right() {
 }
 
 #[test]
-fn checkers_have_their_own_transforms_of_the_plane() {
+fn checkers_have_their_own_transforms() {
     let checker = |transform: &str| {
         let paint = placed(&format!("checker = {{ colors = [[1, 0, 0], [0, 0, 1]]{transform} }}")).paint;
         let Paint::Checker(checker) = paint else { panic!("{paint:?}") };
@@ -146,7 +147,7 @@ fn checkers_have_their_own_transforms_of_the_plane() {
 }
 
 #[test]
-fn camera_and_light_are_those_of_the_file_or_show_all_of_it() {
+fn camera_and_light_come_from_the_file_or_show_the_whole_scene() {
     let ball = format!("{BALL}[[instance]]\nof = 'ball'\ntransform = [{{ translate = [10, 0, 0] }}]\n");
     let around = load(&ball).view;
     // The box of a sphere is wider than the sphere by one part in 1024.
@@ -165,7 +166,7 @@ fn camera_and_light_are_those_of_the_file_or_show_all_of_it() {
                  { translate = [0, 1, 0] }]\n[light]\ndirection = [0, 1, 0]\n";
     let view = load(&format!("{given}{ball}")).view;
     assert_eq!(view.light, Light::Directional(Vec3::Y));
-    // Turned about y by a quarter, what looked along -z from z = 5 looks along -x from x = 5.
+    // After a quarter of a turn about y, the camera at z = 5 that looks along -z is at x = 5 and looks along -x.
     let moved = Camera::new(Vec3::new(5.0, 1.0, 0.0), Vec3::Y, 30.0, 8, 8).rays(8, 8);
     for (ray, expected) in view.camera(8, 8).rays(8, 8).iter().zip(&moved) {
         assert_eq!((ray.origin, ray.dir), (expected.origin, expected.dir));
@@ -173,7 +174,7 @@ fn camera_and_light_are_those_of_the_file_or_show_all_of_it() {
 }
 
 #[test]
-fn what_is_never_placed_is_told() {
+fn unused_and_ignored_parts_are_remarked() {
     let scene = load(&format!("{BALL}[[mesh]]\nname = 'spare\\n'\nfile = 'corner.obj'\n[[instance]]\nof = 'ball'\n"));
     assert_eq!(scene.remarks, ["never placed: \"spare\\n\""]);
     let files = Files::new();
@@ -186,7 +187,7 @@ fn what_is_never_placed_is_told() {
 }
 
 #[test]
-fn paths_start_at_the_scene_file() {
+fn paths_are_relative_to_the_scene_file() {
     let files = Files::new();
     fs::create_dir_all(files.path("scenes/models")).unwrap();
     files.write("scenes/models/corner.OBJ", CORNER);
@@ -195,7 +196,7 @@ fn paths_start_at_the_scene_file() {
         let text = format!("[[mesh]]\nname = 'it'\nfile = '{path}'\n[[instance]]\nof = 'it'\n");
         assert_eq!(load_scene(&files.write("scenes/x.toml", text)).unwrap().world.geometries()[0].primitives(), 3);
     }
-    // An OBJ file's error is its own.
+    // An error in an OBJ file names the OBJ file.
     files.write("scenes/bad.obj", format!("{CORNER}v 1 nan 3\n"));
     let message = |file: &str| {
         let text = format!("[[mesh]]\nname = 'it'\nfile = '{file}'\n[[instance]]\nof = 'it'\n");
@@ -205,7 +206,7 @@ fn paths_start_at_the_scene_file() {
     assert_eq!(message("none.obj"), "cannot read scenes/none.obj: No such file or directory");
 }
 
-/// Every line of what may be wrong, put into a file that is right but for it.
+/// Each wrong line is added to a file that is otherwise right.
 #[test]
 fn errors_name_line_and_key() {
     let good = format!("# A comment.\n\n\n{BALL}\n[[instance]]\nof = \"ball\"\n");
@@ -262,7 +263,8 @@ fn errors_name_line_and_key() {
         ),
         (
             "transform = [{ rotate = 1 }]",
-            "10: instance.transform.rotate: unknown variant `rotate`, expected one of `translate`, `scale`, `rotate_x`, `rotate_y`, `rotate_z`, `shear`",
+            "10: instance.transform.rotate: unknown variant `rotate`, expected one of `translate`, `scale`, \
+             `rotate_x`, `rotate_y`, `rotate_z`, `shear`",
         ),
         (
             "transform = [{ rotate_x = nan }]",
@@ -293,7 +295,8 @@ fn errors_name_line_and_key() {
         ("[instance]", "10: duplicate key: \"[instance]\""),
         (
             "[[instances]]",
-            "10: instances: unknown field `instances`, expected one of `camera`, `light`, `mesh`, `quadric`, `instance`, `scatter`",
+            "10: instances: unknown field `instances`, expected one of `camera`, `light`, `mesh`, `quadric`, \
+             `instance`, `scatter`",
         ),
         (
             "[[mesh]]\nname = 'ball'\nfile = 'corner.obj'\n",
@@ -312,7 +315,8 @@ fn errors_name_line_and_key() {
         ),
         (
             "[[mesh]]\nname = 'm'\ngenerator = 'room:1'",
-            "12: mesh.generator: the size must be one of small, medium, large or a number of triangles from 1000 to 10000000: \"room:1\"",
+            "12: mesh.generator: the size must be one of small, medium, large or a number of triangles from 1000 to \
+             10000000: \"room:1\"",
         ),
         (
             "[[quadric]]\nname = 'q'",
@@ -352,11 +356,13 @@ fn errors_name_line_and_key() {
             "10: quadric: half_height must be greater than the third semi-axis, where the two sheets begin",
         ),
         (
-            "[[quadric]]\nname = 'q'\ncoefficients = [0, 0, 0, 0, 0, 0, 0, 0, 0, 1]\nclip = { lo = [0, 0, 0], hi = [1, 1, 1] }",
+            "[[quadric]]\nname = 'q'\ncoefficients = [0, 0, 0, 0, 0, 0, 0, 0, 0, 1]\n\
+             clip = { lo = [0, 0, 0], hi = [1, 1, 1] }",
             "11: quadric.name: no ray hits it: the coefficients are too large or all zero, or the box is empty: \"q\"",
         ),
         (
-            "[[quadric]]\nname = 'q'\ncoefficients = [1, 0, 0, 0, 0, 0, 0, 0, 0, 1]\nclip = { lo = [0, 0, 1], hi = [1, 1, 0] }",
+            "[[quadric]]\nname = 'q'\ncoefficients = [1, 0, 0, 0, 0, 0, 0, 0, 0, 1]\n\
+             clip = { lo = [0, 0, 1], hi = [1, 1, 0] }",
             "11: quadric.name: no ray hits it: the coefficients are too large or all zero, or the box is empty: \"q\"",
         ),
         ("[camera]\neye = [0, 0, 0]", "10: camera: missing field `look_at`"),
@@ -420,7 +426,8 @@ fn errors_name_line_and_key() {
             "13: scatter.lean: invalid value: `2`, expected a number from 0 to 1",
         ),
         (
-            "[[scatter]]\nof = 'ball'\ncount = 1\narea = { lo = [0, 0], hi = [1, 1] }\nscale = [1e15, 1e15]\ntransform = [{ scale = [1e30, 1, 1] }]",
+            "[[scatter]]\nof = 'ball'\ncount = 1\narea = { lo = [0, 0], hi = [1, 1] }\nscale = [1e15, 1e15]\n\
+             transform = [{ scale = [1e30, 1, 1] }]",
             "10: scatter: instance 0 has no inverse: ",
         ),
         (
@@ -434,7 +441,7 @@ fn errors_name_line_and_key() {
     ] {
         let found = error(format!("{good}{lines}\n"));
         let expected = format!("x.toml:{message}");
-        // Where the message ends with what the parser or a matrix prints, its beginning tells enough.
+        // If the end of the message comes from the parser or prints a matrix, only its beginning is compared.
         let is_right = if message.ends_with(": ") { found.starts_with(&expected) } else { found == expected };
         if !is_right || !is_short_line(&found) {
             wrong.push(format!("{lines}\nexpected {expected}\ngot      {found}"));
@@ -450,7 +457,7 @@ fn files_that_are_no_scenes_are_refused() {
     }
     assert_eq!(error(b"# \xc3\xa9\n\nname = '\xff\xfe'\n"), "x.toml:3: not UTF-8: \"\u{fffd}\u{fffd}'\"");
     assert_eq!(error(vec![b'#'; (1 << 24) + 1]), "x.toml: longer than 16777216 bytes");
-    // What is nested too deeply, and words of megabytes.
+    // Too deep nesting, and words of megabytes.
     for text in ["[".repeat(100_000), "a = ".to_owned() + &"[".repeat(100_000), "a.".repeat(100_000) + "a = 1"] {
         let message = error(&text);
         assert!(message.starts_with("x.toml:1: ") && is_short_line(&message), "{message}");
@@ -469,12 +476,13 @@ fn files_that_are_no_scenes_are_refused() {
     assert_eq!(message("directory.toml"), "cannot read directory.toml: Is a directory");
 }
 
-/// A square of ten by ten, tilted, to stand on.
-const FLOOR: &str = "[[mesh]]\nname = 'floor'\ngenerator = 'square'\n[[instance]]\nof = 'floor'\ntransform = [{ translate = \
-                     [-0.5, 0, -0.5] }, { scale = [10, 1, 10] }, { rotate_z = 30 }, { translate = [0, 100, 0] }]\n";
+/// A tilted square of ten by ten.
+const FLOOR: &str = "[[mesh]]\nname = 'floor'\ngenerator = 'square'\n[[instance]]\nof = 'floor'\n\
+                     transform = [{ translate = [-0.5, 0, -0.5] }, { scale = [10, 1, 10] }, { rotate_z = 30 }, \
+                     { translate = [0, 100, 0] }]\n";
 
 #[test]
-fn what_is_scattered_stands_on_the_ground_in_the_area() {
+fn scattered_instances_stand_on_the_ground_in_the_area() {
     let on = format!("{FLOOR}{BALL}[[scatter]]\nof = 'ball'\non = 'floor'\ncount = 1000\n");
     let feet = |text: &str| -> Vec<Vec3> {
         world(text).instances()[1..].iter().map(|placement| placement.object_to_world.translation).collect()
@@ -503,7 +511,7 @@ fn what_is_scattered_stands_on_the_ground_in_the_area() {
 }
 
 #[test]
-fn what_is_scattered_is_turned_scaled_and_sheared() {
+fn scattered_instances_are_rotated_scaled_and_sheared() {
     let scattered = |more: &str| -> Vec<Affine3> {
         let text =
             format!("{BALL}[[scatter]]\nof = 'ball'\ncount = 500\narea = {{ lo = [0, 0], hi = [0, 0] }}\n{more}");
@@ -514,7 +522,7 @@ fn what_is_scattered_is_turned_scaled_and_sheared() {
         assert_eq!((y_axis, transform.translation), (Vec3::Y, Vec3::ZERO));
         assert!(x_axis.cross(z_axis).abs_diff_eq(Vec3::NEG_Y, 1e-6) && x_axis.is_normalized());
     }
-    // In every direction: each eighth of the circle has its share.
+    // Rotated in every direction: each eighth of the circle gets its share.
     let eighths = scattered("").iter().fold([0; 8], |mut eighths, transform| {
         let Vec3 { x, z, .. } = transform.matrix3.x_axis;
         eighths[usize::from(x > 0.0) + 2 * usize::from(z > 0.0) + 4 * usize::from(x.abs() > z.abs())] += 1;
@@ -530,7 +538,7 @@ fn what_is_scattered_is_turned_scaled_and_sheared() {
     assert!(tops.iter().all(|top| top.y == 1.0 && Vec2::new(top.x, top.z).length() <= 0.25));
     assert!(tops.iter().any(|top| top.x > 0.15) && tops.iter().any(|top| top.z < -0.15));
 
-    // Its own transform comes first: here it lifts what is then scaled.
+    // The instance's own transform comes first: here it lifts the ball, which is then scaled.
     for transform in scattered("scale = [2, 2]\ntransform = [{ translate = [0, 3, 0] }]\n") {
         assert_eq!(transform.translation, Vec3::new(0.0, 6.0, 0.0));
     }
@@ -546,7 +554,7 @@ fn built_in(argument: &str) -> LoadedScene {
 fn built_in_scenes_are_files_that_load() {
     for name in BuiltIn::NAMES {
         let LoadedScene { world, view, .. } = built_in(name);
-        // Their camera sees something.
+        // The camera must see something.
         let rays = view.camera(32, 32).rays(32, 32);
         let hits = trace(&Scene::<Woop<f32>>::new(world), &rays, false, Mode::Packet);
         assert!(hits.iter().filter(|hit| hit.mask).count() > 300, "{name}");
@@ -556,7 +564,7 @@ fn built_in_scenes_are_files_that_load() {
     let gallery = built_in("gallery").world;
     let quadrics = gallery.geometries().iter().filter(|geometry| matches!(geometry, Geometry::Quadric(_)));
     assert_eq!(quadrics.count(), 8);
-    // None of them is merely moved.
+    // Each is more than translated.
     for placement in &gallery.instances()[1..] {
         let Mat3 { x_axis, y_axis, z_axis } = placement.object_to_world.matrix3;
         let is_sheared =
@@ -571,7 +579,7 @@ fn built_in_scenes_are_files_that_load() {
     }
 }
 
-/// Another sum means another scene, and that old measurements can no longer be compared.
+/// If the sum changes, the scene has changed, and old measurements can no longer be compared.
 #[test]
 fn the_forest_is_the_same_on_every_machine() {
     let forest = built_in("forest:1000").world;
@@ -583,7 +591,7 @@ fn the_forest_is_the_same_on_every_machine() {
     assert_eq!(format!("{sum:016x}"), "2612121470b5bf69");
 }
 
-/// The example of the README, with the file that it names.
+/// The example in the README, with the file that it names.
 #[test]
 fn the_example_of_the_readme_loads() {
     let readme = include_str!("../README.md");
@@ -595,7 +603,7 @@ fn the_example_of_the_readme_loads() {
     let scene = load_scene(&files.write("scene.toml", example)).unwrap();
     assert_eq!(scene.remarks, Vec::<String>::new());
     assert_eq!((scene.world.geometries().len(), scene.world.instances().len()), (4, 3 + 5000));
-    // What its comments offer instead works too.
+    // The alternatives in its comments work too.
     for (instead, of) in
         [("point = [1, 2, 1]", "direction = [1, 2, 1]"), ("area = { lo = [-20, -20], hi = [20, 20] }", "on = \"hill\"")]
     {
@@ -604,7 +612,7 @@ fn the_example_of_the_readme_loads() {
     }
 }
 
-/// Puts another number, or a part of one, in the place of a digit: what is left is mostly well-formed.
+/// Replaces a digit by another number or a part of one. The text mostly stays well-formed.
 fn with_another_number(text: &str, random: &mut Random) -> Vec<u8> {
     const NUMBERS: [&str; 12] = ["0", "1", "7", "-1", "0.5", "1.", "1e9", "1e-20", "1e38", "1e39", "nan", "inf"];
     let digits: Vec<_> = text.bytes().enumerate().filter(|(_, byte)| byte.is_ascii_digit()).map(|(at, _)| at).collect();
@@ -615,7 +623,7 @@ fn with_another_number(text: &str, random: &mut Random) -> Vec<u8> {
 }
 
 #[test]
-fn mutilated_files_neither_panic_nor_make_invalid_worlds() {
+fn corrupted_files_neither_panic_nor_make_invalid_worlds() {
     const PIECES: [&str; 30] = [
         "\n",
         " ",
@@ -648,13 +656,15 @@ fn mutilated_files_neither_panic_nor_make_invalid_worlds() {
         "1979-05-27",
         "\u{feff}",
     ];
-    const SCENE: &str = "[camera]\neye = [0, 2, 8]\nlook_at = [0, 1, 0]\nfield_of_view = 45\ntransform = [{ rotate_y = 20 }]\n\
-        [light]\npoint = [1, 2, 1]\n[[mesh]]\nname = \"a\"\ngenerator = \"square\"\n[[mesh]]\nname = \"c\"\nfile = \
-        \"corner.obj\"\n[[quadric]]\nname = \"q\"\ncone = { radius = 1, height = 2 }\n[[quadric]]\nname = \"s\"\n\
-        coefficients = [1, -1, 0, 0, 0, 0, 0, 0, -1, 0]\nclip = { lo = [-1, -1, -1], hi = [1, 1, 1] }\n[[instance]]\nof = \
-        \"a\"\n[[instance]]\nof = \"s\"\ntransform = [{ scale = [1, 2, 1] }, { shear = { axis = \"x\", by = \"y\", factor = \
-        0.5 } }]\ncolor = [0.8, 0.3, 0.2]\n[[instance]]\nof = \"q\"\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], transform = \
-        [{ rotate = 30 }] }\n[[scatter]]\nof = \"c\"\non = \"a\"\ncount = 3\nseed = 1\nscale = [0.5, 2]\nlean = 0.1\n";
+    const SCENE: &str = "[camera]\neye = [0, 2, 8]\nlook_at = [0, 1, 0]\nfield_of_view = 45\n\
+        transform = [{ rotate_y = 20 }]\n[light]\npoint = [1, 2, 1]\n[[mesh]]\nname = \"a\"\ngenerator = \"square\"\n\
+        [[mesh]]\nname = \"c\"\nfile = \"corner.obj\"\n[[quadric]]\nname = \"q\"\ncone = { radius = 1, height = 2 }\n\
+        [[quadric]]\nname = \"s\"\ncoefficients = [1, -1, 0, 0, 0, 0, 0, 0, -1, 0]\n\
+        clip = { lo = [-1, -1, -1], hi = [1, 1, 1] }\n[[instance]]\nof = \"a\"\n[[instance]]\nof = \"s\"\n\
+        transform = [{ scale = [1, 2, 1] }, { shear = { axis = \"x\", by = \"y\", factor = 0.5 } }]\n\
+        color = [0.8, 0.3, 0.2]\n[[instance]]\nof = \"q\"\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], \
+        transform = [{ rotate = 30 }] }\n[[scatter]]\nof = \"c\"\non = \"a\"\ncount = 3\nseed = 1\n\
+        scale = [0.5, 2]\nlean = 0.1\n";
     let files = Files::new();
     files.write("corner.obj", CORNER);
     load_scene(&files.write("x.toml", SCENE)).unwrap();
@@ -684,15 +694,15 @@ fn mutilated_files_neither_panic_nor_make_invalid_worlds() {
                 with_line += usize::from(message.starts_with("x.toml:"));
             }
         }
-        // Written over, some file systems would wait for the disk each time.
+        // Removed first: some file systems wait for the disk when a file is overwritten.
         fs::remove_file(file).unwrap();
     }
-    // Else one branch above was hardly tried.
+    // Both branches above must have run often.
     assert!(loaded > 2_000 && refused > 2_000, "{loaded} loaded, {refused} refused");
     assert!(with_line * 100 > refused * 95, "only {with_line} of {refused} errors name a line");
 }
 
-/// Instances of the forest, as every way of tracing sees them.
+/// Scalar code, packets and brute force hit the same instances of the forest.
 #[test]
 fn the_forest_has_identical_hits() {
     let LoadedScene { world, view, .. } = built_in("forest:1000");
@@ -705,5 +715,5 @@ fn the_forest_has_identical_hits() {
         assert_eq!(scene.closest_hit_brute_force(ray).to_bits(), hit.to_bits());
     }
     let trees = scalar.iter().filter(|hit| hit.mask && (1..=1000).contains(&hit.instance)).count();
-    assert!(trees > 40, "{trees}");
+    assert!(trees > 40, "only {trees} rays hit trees");
 }

@@ -1,6 +1,7 @@
-//! What every kernel must do, whatever its method: rays and primitives that make no sense miss, and `t` is a number within
-//! the interval. Instances keep `t`, `u` and `v` under every transform, and normals turn the right way. Sharp cases are in
-//! `cases.rs`.
+//! Tests of what all kernels have in common: invalid rays and primitives miss, and `t` is within the interval.
+//!
+//! Instances keep `t`, `u` and `v` under every transform, and their normals point the right way. Quadrics are hit at
+//! known points, inside their box. Sharp cases are in `cases.rs`.
 
 mod aim;
 mod random;
@@ -15,13 +16,13 @@ use raylanes::registry::{self, Visitor};
 use aim::Aimed;
 use random::Random;
 
-/// Corrupts rays and shapes that do hit, one place at a time.
+/// Takes rays and shapes that hit, and corrupts one number at a time: all of them must miss.
 #[derive(Default)]
-struct Nonsense {
+struct Corrupted {
     hits: u64,
 }
 
-impl<S: Aimed> Visitor<S> for Nonsense {
+impl<S: Aimed> Visitor<S> for Corrupted {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
         let mut runner = TestRunner::new(Config { rng_seed: RngSeed::Fixed(5), ..Config::default() });
         let strategy = aim::cases::<S>();
@@ -68,10 +69,10 @@ impl<S: Aimed> Visitor<S> for Nonsense {
 }
 
 #[test]
-fn what_makes_no_sense_misses() {
-    let mut nonsense = Nonsense::default();
-    registry::all(&mut nonsense);
-    assert!(nonsense.hits > 0);
+fn invalid_rays_and_shapes_miss() {
+    let mut corrupted = Corrupted::default();
+    registry::all(&mut corrupted);
+    assert!(corrupted.hits > 0);
 }
 
 const fn v(x: f32, y: f32, z: f32) -> Vec3 {
@@ -99,7 +100,7 @@ mod instances {
     }
 
     #[test]
-    fn t_and_point_are_those_of_the_baked_triangle() {
+    fn an_instance_has_the_hit_of_the_transformed_triangle() {
         for transform in transforms() {
             let baked = Triangle {
                 v0: transform.transform_point3(TRIANGLE.v0),
@@ -117,7 +118,7 @@ mod instances {
     }
 
     #[test]
-    fn normals_go_by_the_inverse_transpose_and_the_sign_of_the_determinant() {
+    fn normals_use_the_inverse_transpose_and_the_sign_of_the_determinant() {
         for transform in transforms() {
             let instance = Instance::new(MollerTrumbore::prepare(&TRIANGLE), transform).unwrap();
             let [v0, v1, v2] = TRIANGLE.vertices().map(|vertex| transform.transform_point3(vertex));
@@ -127,17 +128,18 @@ mod instances {
         }
     }
 
-    /// The third column is the sum of the others, exactly; of 23 bits each, so that their determinant has to be rounded.
+    /// A matrix whose third column is exactly the sum of the others. The entries have 23 bits: `f64` rounds the
+    /// determinant.
     fn exactly_singular(random: &mut Random) -> Affine3 {
         let mut column = || Vec3::from([(); 3].map(|()| (random.below(1 << 23) as f32 + 1.0) / (1 << 25) as f32));
         let (x, y) = (column(), column());
         let z = x + y;
-        assert!(z - x == y && z - y == x, "a sum that is rounded: {x} {y}");
+        assert!(z - x == y && z - y == x, "the sum of {x} and {y} is rounded");
         Affine3 { matrix3: Mat3::from_cols(x, y, z), translation: v(1.0, 2.0, 3.0) }
     }
 
     #[test]
-    fn exactly_singular_transforms_are_refused_whatever_rounding_makes_of_their_determinant() {
+    fn exactly_singular_transforms_are_refused_also_where_the_determinant_is_not_zero() {
         let mut random = Random(1);
         let mut rounded = 0;
         for _ in 0..2000 {
@@ -150,13 +152,13 @@ mod instances {
             assert!(!Intersect::<f32>::hit(&<Baked<MollerTrumbore<f32>>>::prepare(&placed), &ray).mask);
             assert!(!Intersect::<f32>::hit(&<Instance<MollerTrumbore<f32>>>::prepare(&placed), &ray).mask);
         }
-        assert!(rounded > 100, "only {rounded} determinants are not zero");
+        assert!(rounded > 100, "only {rounded} determinants are not zero in f64");
     }
 
     #[test]
-    fn transforms_at_the_edge_of_having_an_inverse() {
+    fn nearly_singular_transforms_have_an_inverse() {
         let scale = |factor: f32| Affine3::from_scale(Vec3::splat(factor));
-        // The inverse of a scale below 2⁻¹²⁸ is no f32, but an f64.
+        // The inverse of a scale below 2⁻¹²⁸ is beyond f32, but not beyond f64.
         let (tiny, least) = (scale(2f32.powi(-129)), scale(2f32.powi(-126)));
         let error = Instance::new((), tiny).unwrap_err().to_string();
         assert!(error.starts_with("transform has no inverse: columns [[1.4"), "{error}");
@@ -166,7 +168,7 @@ mod instances {
         let double = <Instance<MollerTrumbore<f32>, SubtractFirstF64<DVec3>>>::prepare(&placed);
         assert_eq!(Intersect::<f32>::hit(&double, &ray).t, 1.0);
         assert!(!Intersect::<f32>::hit(&<Instance<MollerTrumbore<f32>>>::prepare(&placed), &ray).mask);
-        // As nearly singular as columns of about unit size can be: an angle of one unit in the last place.
+        // Columns of about unit size cannot be closer to singular: one ulp of angle.
         let nearly = Mat3::from_cols(v(1.0, 1.0, 0.0), v(1.0, 1f32.next_up(), 0.0), Vec3::Z);
         let instance = Instance::new((), Affine3 { matrix3: nearly, ..Affine3::IDENTITY }).unwrap();
         assert_eq!(
@@ -200,7 +202,7 @@ mod quadrics {
     /// A surface, a ray, and where it hits, if it does.
     type Known = (Quadric, Ray<f32>, Option<f32>);
 
-    /// The eight kinds from outside, from inside, and past what is cut away; distances are whole numbers.
+    /// The eight kinds: from outside, from inside, and where the box clips the surface. Distances are whole numbers.
     fn known() -> Vec<Known> {
         let abc = v(2.0, 3.0, 4.0);
         let bowl = Quadric { clip: Aabb { lo: Vec3::splat(-3.0), hi: v(3.0, 3.0, 0.0) }, ..Quadric::sphere(2.0) };
@@ -232,16 +234,16 @@ mod quadrics {
         add(saddle, v(1.5, 2.0, 9.0), Vec3::NEG_Z, None);
         add(Quadric { clip: unclipped, ..saddle }, v(1.5, 2.0, 9.0), Vec3::NEG_Z, Some(6.0));
 
-        // The nearer root is cut away, the farther one is not, or is too.
+        // The near root is clipped away; the far one is not, or is clipped away too.
         add(bowl, v(0.0, 0.0, 9.0), Vec3::NEG_Z, Some(11.0));
         add(bowl, v(0.0, 0.0, -9.0), Vec3::Z, Some(7.0));
         add(bowl, v(-9.0, 0.0, 1.0), Vec3::X, None);
         add(Quadric::cylinder(2.0, 2.0), v(-4.0, 0.0, -6.0), v(1.0, 0.0, 1.0), Some(6.0));
         add(Quadric::cylinder(2.0, 2.0), v(0.0, 0.0, -6.0), v(1.0, 0.0, 5.0), None);
-        // A cone has two halves, of which the box keeps one.
+        // A double cone has two halves. The box keeps one.
         add(Quadric::cone(2.0, 4.0), v(5.0, 0.0, -2.0), Vec3::NEG_X, None);
 
-        // Within a plane, along a cylinder, and where there is no surface at all.
+        // Within a plane, along a cylinder, and without any surface.
         add(plane, v(-9.0, 0.0, 0.0), Vec3::X, None);
         add(plane, v(0.0, 0.0, -9.0), Vec3::Z, Some(9.0));
         add(Quadric::cylinder(2.0, 5.0), v(0.5, 0.0, -9.0), Vec3::Z, None);
@@ -251,7 +253,7 @@ mod quadrics {
         add(Quadric { clip: Aabb::EMPTY, ..Quadric::sphere(2.0) }, v(-5.0, 0.0, 0.0), Vec3::X, None);
         add(Quadric { constant: f32::NEG_INFINITY, ..Quadric::sphere(2.0) }, v(-5.0, 0.0, 0.0), Vec3::X, None);
 
-        // Intervals are closed, and may lie behind the origin.
+        // Intervals are closed, and may be behind the origin.
         let sphere = |origin, t_min, t_max, t| (Quadric::sphere(2.0), Ray { t_min, t_max, ..ray(origin, Vec3::X) }, t);
         let origin = v(-5.0, 0.0, 0.0);
         known.extend([
@@ -285,11 +287,11 @@ mod quadrics {
     }
 
     #[test]
-    fn the_kinds_are_hit_at_known_points() {
+    fn every_kind_of_quadric_is_hit_at_known_points() {
         registry::quadrics(&mut AtKnownPoints);
     }
 
-    /// Rays that enter the unit sphere next to where its box is closest, `distance` radii away from there.
+    /// Rays that enter the unit sphere near a point where it touches its box, from `distance` radii away.
     fn from_afar(distance: f32) -> impl Iterator<Item = Ray<f32>> {
         let steps = || (-8i8..=8).map(|step| f32::from(step) / 1024.0);
         let near = steps().flat_map(move |y| steps().map(move |z| v((1.0 - y * y - z * z).sqrt(), y, z)));
@@ -309,14 +311,14 @@ mod quadrics {
     struct FromAfar;
     impl Visitor<Quadric> for FromAfar {
         fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
-            // Its roots are further from the box than the padding.
+            // The errors of its roots exceed the padding of the box.
             if K::INFO.id.method == "quadric/naive" {
                 return;
             }
             let sphere = K::prepare(&Quadric::sphere(1.0));
             for distance in [1e1, 1e3, 1e5] {
                 for ray in from_afar(distance) {
-                    // Were this root cut away, the hit would be on the far side.
+                    // If the box clipped this root away, the hit would be on the far side.
                     let hit: Hit<f32> = sphere.hit(&ray);
                     let near = (hit.t - distance).abs() <= 4.0 * f32::EPSILON * distance;
                     assert!(hit.mask && near, "{}: {hit:?}, not {distance} {ray:?}", K::INFO.id);
@@ -326,7 +328,7 @@ mod quadrics {
     }
 
     #[test]
-    fn a_box_does_not_cut_what_it_contains() {
+    fn a_box_does_not_clip_the_surface_that_touches_it() {
         registry::quadrics(&mut FromAfar);
     }
 
@@ -339,11 +341,11 @@ mod quadrics {
                 let hit: Hit<f32> = K::prepare(quadric).hit(ray);
                 if hit.mask {
                     let padded: Hit<f32> = Padded::prepare(&quadric.bounds()).hit(ray);
-                    assert!(padded.mask, "{}: outside of its box {quadric:?} {ray:?}", K::INFO.id);
+                    assert!(padded.mask, "{}: a hit outside of the box, {quadric:?} {ray:?}", K::INFO.id);
                     let (entry, exit) = (padded.t, padded.u);
                     let id = K::INFO.id;
                     assert!(entry <= hit.t && hit.t <= exit, "{id}: {hit:?}, box {padded:?} {quadric:?} {ray:?}");
-                    // The clamp was needed, or could as well have been.
+                    // These may have been clamped.
                     self.clamped += u64::from(hit.t == entry && entry > ray.t_min);
                 }
             };
@@ -360,10 +362,10 @@ mod quadrics {
     }
 
     #[test]
-    fn no_hit_comes_before_a_box_is_entered() {
+    fn hits_are_between_entry_and_exit_of_the_box() {
         let mut within = WithinBoxes { clamped: 0 };
         registry::quadrics(&mut within);
-        println!("{} hits at the entry of their box", within.clamped);
-        assert!(within.clamped > 100, "only {} hits at the entry of their box", within.clamped);
+        println!("{} hits are at the entry of their box", within.clamped);
+        assert!(within.clamped > 100, "only {} hits are at the entry of their box", within.clamped);
     }
 }

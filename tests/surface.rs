@@ -1,4 +1,5 @@
-//! Points and normals of hits in the world, against exact arithmetic: over translations, scales, shears, turns and mirrors.
+//! Tests points and normals of hits in the world against exact arithmetic, under translations, scales, shears,
+//! rotations and mirrors.
 
 mod random;
 mod worlds;
@@ -11,7 +12,7 @@ use raylanes::tracer::{Checker, Geometry, Mesh, Mode, Paint, Part, Placement, Sc
 
 use random::Random;
 
-/// `int · 2^exponent`, exactly: all that sums and products of `f32` and `f64` need.
+/// The exact number `int · 2^exponent`. It can hold every sum and product of `f32` and `f64`.
 #[derive(Clone, Debug)]
 struct Exact {
     int: IBig,
@@ -91,7 +92,7 @@ fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
     })
 }
 
-/// `matrix · vector`, from the matrix' columns.
+/// `matrix · vector`, from the columns of the matrix.
 fn apply(columns: &[Exact3; 3], vector: &Exact3) -> Exact3 {
     add(&add(&scale(&columns[0], &vector[0]), &scale(&columns[1], &vector[1])), &scale(&columns[2], &vector[2]))
 }
@@ -111,7 +112,7 @@ fn transposed(columns: &[Exact3; 3]) -> [Exact3; 3] {
     [0, 1, 2].map(|row| each(|column| columns[column][row].clone()))
 }
 
-/// Demands that each coordinate lies within half an ulp, and 2⁻⁴⁷ of the largest term, of the exact one.
+/// Asserts that the error of each coordinate is at most half an ulp plus 2⁻⁴⁷ of the largest term.
 fn assert_point(what: &str, got: Vec3, expected: &Exact3, largest_term: f64) {
     for axis in 0..3 {
         let got = got[axis];
@@ -122,7 +123,7 @@ fn assert_point(what: &str, got: Vec3, expected: &Exact3, largest_term: f64) {
     }
 }
 
-/// Demands a length of 1 within 2⁻²³, and that the angle to the exact direction has a sine of at most `bound`.
+/// Asserts that the length is 1 within 2⁻²³, and the sine of the angle to the exact direction is at most `bound`.
 fn assert_normal(what: &str, got: Vec3, expected: &Exact3, bound: f64) {
     let length = got.as_dvec3().length();
     assert!((length - 1.0).abs() < 2f64.powi(-23), "{what}: {got} has length {length}");
@@ -130,7 +131,7 @@ fn assert_normal(what: &str, got: Vec3, expected: &Exact3, bound: f64) {
     assert!(!dot(&got, expected).is_negative(), "{what}: {got:?} points to the wrong side");
     let sine = cross(&got, expected);
     let bound = dot(expected, expected).times(&Exact::of(bound * bound));
-    assert!(dot(&sine, &sine).is_at_most(&bound), "{what}: {got:?} is turned");
+    assert!(dot(&sine, &sine).is_at_most(&bound), "{what}: {got:?} is off by too large an angle");
 }
 
 type Hits = Vec<(Ray<f32>, Hit<f32>)>;
@@ -145,7 +146,7 @@ fn hits(geometry: Geometry, object_to_world: Affine3, paint: Paint, seed: u64) -
 }
 
 #[test]
-fn triangles_have_the_exact_image_of_the_barycentrics_and_the_counter_clockwise_normal() {
+fn points_and_normals_of_triangles_are_right() {
     let mut random = Random(23);
     let mut seen = 0;
     for round in 0..400 {
@@ -168,7 +169,7 @@ fn triangles_have_the_exact_image_of_the_barycentrics_and_the_counter_clockwise_
                 (f64::from(greatest) * f64::from(corner)).max(f64::from(transform.translation.abs().max_element()));
             let what = format!("{transform:?}, {v0}, {v1}, {v2}, {hit:?}");
             assert_point(&what, surface.point, &point, term);
-            // The triangle may be a sliver of 1 to 1000 in the world.
+            // In the world the triangle may be a sliver of ratio 1 to 1000.
             assert_normal(&what, surface.normal, &normal, 2f64.powi(-24) + 1e6 * 2f64.powi(-50));
             assert_eq!((surface.uv, surface.color), (Vec2::new(hit.u, hit.v), Vec3::ONE));
             seen += 1;
@@ -178,7 +179,7 @@ fn triangles_have_the_exact_image_of_the_barycentrics_and_the_counter_clockwise_
 }
 
 #[test]
-fn quadrics_have_the_ray_s_point_and_the_outer_normal() {
+fn points_and_normals_of_quadrics_are_right() {
     let mut random = Random(29);
     let mut seen = 0;
     let geometries = worlds::geometries(&mut random);
@@ -195,7 +196,7 @@ fn quadrics_have_the_ray_s_point_and_the_outer_normal() {
             let term = f64::from(ray.origin.abs().max_element()).max(f64::from((ray.dir * hit.t).abs().max_element()));
             let what = format!("{quadric:?}, {transform:?}, {ray:?}, {hit:?}");
             assert_point(&what, surface.point, &point, term);
-            // Everything times the determinant, so that nothing is divided.
+            // Everything is multiplied by the determinant, which avoids divisions.
             let object = apply(&transposed(&cofactors), &sub(&point, &exact(transform.translation)));
             let [yz, zx, xy] = exact(quadric.products);
             let [x, y, z] = &object;
@@ -203,11 +204,11 @@ fn quadrics_have_the_ray_s_point_and_the_outer_normal() {
                 [xy.times(y).plus(&zx.times(z)), xy.times(x).plus(&yz.times(z)), zx.times(x).plus(&yz.times(y))];
             let squares = scale(&product(&exact(quadric.squares), &object), &Exact::of(2.0));
             let gradient = add(&add(&squares, &mixed), &scale(&exact(quadric.linear), &determinant));
-            // The inverse transpose is the cofactors over the determinant, and the gradient was multiplied by it too: its
-            // sign goes away.
+            // The inverse transpose is the cofactors divided by the determinant. The gradient was multiplied by the
+            // determinant too, so its sign cancels.
             let normal = apply(&cofactors, &gradient);
-            // The point in the object is off by 2⁻⁵⁰ of the distances that are subtracted. Where it is near an apex, that
-            // turns the gradient.
+            // The point in object space is off by 2⁻⁵⁰ of the distances that are subtracted. Near an apex that changes
+            // the direction of the gradient.
             let (linear, translation) = (transform.matrix3.as_dmat3(), transform.translation.as_dvec3());
             let (origin, along) = (ray.origin.as_dvec3() - translation, ray.dir.as_dvec3() * f64::from(hit.t));
             let inverse = linear.inverse();
@@ -229,11 +230,10 @@ fn quadrics_have_the_ray_s_point_and_the_outer_normal() {
     assert!(seen > 2_000, "{seen}");
 }
 
-/// A mirror turns the winding of triangles over, and leaves the outside of a quadric where it is.
+/// A mirror flips the winding of triangles. The outside of a quadric stays the outside.
 #[test]
-fn mirrors_turn_triangles_over_and_quadrics_not() {
+fn mirrors_flip_the_normals_of_triangles_but_not_of_quadrics() {
     let mirror = Affine3::from_scale(Vec3::new(-2.0, 2.0, 2.0));
-    let at = |geometry, object_to_world| Placement { geometry, object_to_world, paint: Paint::Own };
     let geometries = || vec![Geometry::Mesh(worlds::cuboid(Vec3::ONE)), Geometry::Quadric(Quadric::cylinder(1.0, 1.0))];
     let ray = Ray::new(Vec3::new(-8.0, 0.25, 0.5), Vec3::X);
     let normal = |placement| {
@@ -241,10 +241,10 @@ fn mirrors_turn_triangles_over_and_quadrics_not() {
         let hit = trace(&scene, &[ray], false, Mode::Packet)[0];
         scene.surface(&ray, &hit).normal
     };
-    assert_eq!(normal(at(0, Affine3::IDENTITY)), Vec3::NEG_X);
-    assert_eq!(normal(at(0, mirror)), Vec3::X);
+    assert_eq!(normal(worlds::place(0, Affine3::IDENTITY)), Vec3::NEG_X);
+    assert_eq!(normal(worlds::place(0, mirror)), Vec3::X);
     for transform in [Affine3::IDENTITY, mirror] {
-        assert!(normal(at(1, transform)).x < -0.95);
+        assert!(normal(worlds::place(1, transform)).x < -0.95);
     }
 }
 
@@ -275,25 +275,25 @@ fn colors_come_from_the_paint() {
     let from_above = |x: f32, y: f32| surface(Ray::new(Vec3::new(x, y, 9.0), Vec3::NEG_Z));
     assert_eq!([from_above(0.75, 0.25).color, from_above(0.25, 0.75).color], [red, green]);
     assert_eq!([from_above(2.75, 0.25).color, from_above(2.25, 0.75).color], [Vec3::splat(0.5); 2]);
-    // The cylinder from four sides: turns of 0, 1/4, 1/2 and 3/4, at a quarter of its height, just off the checker's lines.
+    // The cylinder from four sides (u = 0, 1/4, 1/2, 3/4), at a quarter of its height, just off the lines of the
+    // checker.
     let sides = [(Vec3::X, 0.0), (Vec3::Y, 0.25), (Vec3::NEG_X, 0.5), (Vec3::NEG_Y, 0.75)];
     for (number, (side, turn)) in sides.into_iter().enumerate() {
         let eye = |x: f32| Vec3::new(x, 0.0, -1.0) + side * 1.5 + side.cross(Vec3::Z) * -0.01;
         let plain = surface(Ray::new(eye(6.0), -side));
         assert!(plain.uv.abs_diff_eq(Vec2::new(turn, 0.25), 0.01), "{plain:?}");
         assert!(plain.normal.abs_diff_eq(side, 0.02) && plain.color == Vec3::ONE, "{plain:?}");
-        // Eight squares around: a quarter turn is two of them, so that all four sides have the first colour.
+        // Eight squares around: a quarter of a turn is two squares, so all four sides have the first colour.
         assert_eq!(surface(Ray::new(eye(9.0), -side)).color, Vec3::ONE, "side {number}");
         let upper = Vec3::Z * 2.0;
         assert_eq!(surface(Ray::new(eye(9.0) + upper, -side)).color, Vec3::ZERO, "side {number}");
     }
 }
 
-/// The apex of a cone has no normal, and a hit there is no NaN.
+/// The apex of a cone has no normal. A hit there contains no NaN.
 #[test]
-fn there_is_no_normal_at_an_apex() {
-    let placement =
-        Placement { geometry: 0, object_to_world: Affine3::from_scale(Vec3::splat(3.0)), paint: Paint::Own };
+fn the_normal_at_an_apex_is_zero() {
+    let placement = worlds::place(0, Affine3::from_scale(Vec3::splat(3.0)));
     let world = World::new(vec![Geometry::Quadric(Quadric::cone(1.0, 2.0))], vec![placement]).unwrap();
     let scene = Scene::<MollerTrumbore<f32>>::new(world);
     let hit = Hit::<f32>::new(true, 4.0, 0.0, 0.0);
@@ -302,9 +302,9 @@ fn there_is_no_normal_at_an_apex() {
     assert!(!surface.uv.is_nan());
 }
 
-/// What the kernel adds to that: the distance of the point from the one that the exact ray meets on the exact triangle. For
-/// rays that are not grazing, in the world or in the object, it is within 2⁻²⁰ of the distances that play a part, times the
-/// condition of the transform.
+/// The kernel adds its own error: the distance to the point where the exact ray meets the exact triangle. For rays that
+/// do not graze the triangle, in the world or in object space, the bound is 2⁻²⁰ of the distances involved, times the
+/// condition number of the transform.
 #[test]
 fn points_are_near_the_exact_intersection() {
     use raylanes::geom::Placed;

@@ -1,5 +1,7 @@
-//! The box rule: every way of tracing a ray gives the same bits. Trying all primitives of all instances, single rays, packets,
-//! coherent and shuffled order, one thread and two, closest hit and any hit.
+//! Tests of the box rule: every way of tracing a ray gives the same bits.
+//!
+//! The ways are: testing all primitives of all instances, single rays, packets, coherent and shuffled order, one and
+//! two threads, closest hit and any hit.
 
 mod random;
 mod worlds;
@@ -11,36 +13,30 @@ use raylanes::kernels::triangle::{Cramer, MollerTrumbore, Woop};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{
-    Camera, Geometry, LoadedScene, Mesh, Mode, Paint, Part, Placement, Scene, SceneSource, World, count, thread_pool,
-    trace, trace_into,
+    Camera, Geometry, LoadedScene, Mesh, Mode, Scene, SceneSource, World, count, thread_pool, trace, trace_into,
 };
 
 use random::Random;
-use worlds::{built_in_mesh, unit, vec3};
+use worlds::{built_in_mesh, on_triangle, pick, place, unit, vec3};
 
-/// Rays that make trouble: at vertices and edges, where triangles tie; along axes, within the planes of boxes; with every
-/// kind of interval; and some that miss everything.
+/// Rays that are hard to trace: at vertices and edges, where triangles have the same `t`; along axes, within planes of
+/// boxes; and with every kind of interval. Some miss everything.
 fn hard_rays(mesh: &Mesh, count: usize) -> Vec<Ray<f32>> {
     let mut random = Random(7);
     let size = mesh.bounds().extent().length();
     (0..count)
         .map(|_| {
-            let Triangle { v0, v1, v2 } = mesh.triangle(random.below(mesh.len()) as u32);
-            let target = match random.below(4) {
-                0 => v0,
-                1 => (v1 + v2) * 0.5,
-                2 => v0 + (v1 - v0) * unit(&mut random),
-                _ => v0 + (v1 - v0) * (0.5 * unit(&mut random)) + (v2 - v0) * (0.5 * unit(&mut random)),
-            };
+            let triangle = mesh.triangle(random.below(mesh.len()) as u32);
+            let target = on_triangle(&mut random, triangle);
             let mut dir = match random.below(4) {
-                0 => Vec3::AXES[random.below(3)] * if random.below(2) == 0 { size } else { -size },
-                1 => v1 - target,
+                0 => pick(&mut random, &Vec3::AXES) * pick(&mut random, &[size, -size]),
+                1 => triangle.v1 - target,
                 _ => vec3(&mut random) * size,
             };
             if random.below(4) == 0 {
                 dir[random.below(3)] = -0.0;
             }
-            let distance = [0.0, 0.5, 1.0, 3.0][random.below(4)];
+            let distance = pick(&mut random, &[0.0, 0.5, 1.0, 3.0]);
             let mut ray = Ray::new(target - dir * distance, dir);
             match random.below(12) {
                 0 => (ray.t_min, ray.t_max) = (f32::NEG_INFINITY, f32::INFINITY),
@@ -69,7 +65,7 @@ fn assert_same(what: &str, rays: &[Ray<f32>], expected: &[Hit<f32>], got: &[Hit<
     }
 }
 
-/// [`trace`] into room full of hits, of which none may be taken for one of these rays'.
+/// [`trace`] into a buffer that is full of other hits: all of them must be overwritten.
 fn retrace<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
@@ -81,7 +77,7 @@ fn retrace<K: Kernel<Shape = Triangle>>(
     hits
 }
 
-/// Traces the rays in every way; brute force gets every `stride`-th.
+/// Traces the rays in every way. Brute force traces every `stride`-th ray.
 fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[Ray<f32>], stride: usize) {
     let name = format!("{name}, {}", K::INFO.id);
     let expected = trace(scene, rays, false, Mode::Scalar);
@@ -117,7 +113,7 @@ fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[
             });
         }
     }
-    // A packet cut off in the middle, and an empty one.
+    // A partial packet, and no rays.
     assert_same(&format!("{name}, partial"), rays, &expected[..13], &trace(scene, &rays[..13], false, Mode::Packet));
     assert!(trace(scene, &[], false, Mode::Packet).is_empty());
 }
@@ -137,10 +133,10 @@ impl Visitor<Triangle> for EveryKernel<'_> {
 
 fn check(source: &SceneSource) {
     let LoadedScene { world, view, .. } = source.load().unwrap();
-    let [Geometry::Mesh(mesh)] = world.geometries() else { panic!("{} is more than a mesh", source.name()) };
+    let [Geometry::Mesh(mesh)] = world.geometries() else { panic!("{} is not one mesh", source.name()) };
     let mut rays = view.camera(64, 64).rays(64, 64);
     rays.extend(hard_rays(mesh, 8_000));
-    // About 20 million tests by brute force, whatever the size of the mesh.
+    // About 20 million brute-force tests for every size of mesh.
     let stride = (rays.len() * mesh.len() / 20_000_000).max(1);
     registry::triangles(&mut EveryKernel { name: &source.name(), world, rays: &rays, stride });
 }
@@ -161,14 +157,14 @@ fn built_in_scenes_of_instances_have_identical_hits() {
     }
 }
 
-/// Where blocks of rays meet the same few triangles one after the other, which end within blocks and packets.
+/// Blocks of rays meet the same few triangles one after the other. The triangles end inside blocks and packets.
 #[test]
-fn large_triangles_that_hide_one_another_have_identical_hits() {
+fn large_overlapping_triangles_have_identical_hits() {
     let mut random = Random(29);
     let world = World::from(worlds::some_triangles(&mut random, 8));
     let eye = Vec3::new(1.0, 0.5, 3.0);
     let mut rays = Camera::new(eye, Vec3::ZERO, 45.0, 96, 96).rays(96, 96);
-    // As to a far light, from points side by side.
+    // Parallel rays, like those to a far light.
     rays.extend(rays.clone().iter().map(|ray| Ray::new(eye + ray.dir, -eye)));
     registry::triangles(&mut EveryKernel { name: "large triangles", world, rays: &rays, stride: 16 });
 }
@@ -178,32 +174,27 @@ fn real_scenes_have_identical_hits() {
     for file in ["bunny.obj", "sponza.obj"] {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(file);
         if !path.exists() {
-            eprintln!("skipped: {file} is not beside this checkout");
+            eprintln!("skipped: {} does not exist", path.display());
             continue;
         }
         check(&SceneSource::Obj(path));
     }
 }
 
-/// Triangles that tie in `t`: each is there several times, and the copies are in different leaves.
+/// Each triangle is there several times, so its copies have the same `t`. The copies are in different leaves.
 #[test]
 fn the_lower_primitive_number_wins_ties() {
     let mesh = built_in_mesh("sphere:small");
     let copies = 5;
     let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
-    let many =
-        Mesh::new(mesh.positions().to_vec(), triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap();
+    let many = worlds::mesh(mesh.positions().to_vec(), triangles);
     let rays = hard_rays(&mesh, 4_000);
     registry::triangles(&mut EveryKernel { name: "copies", world: many.clone().into(), rays: &rays, stride: 1 });
     let hits = trace(&Scene::<Cramer<f32>>::from(many), &rays, false, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
 }
 
-fn place(geometry: usize, object_to_world: Affine3) -> Placement {
-    Placement { geometry: geometry as u32, object_to_world, paint: Paint::Own }
-}
-
-/// Everything, everywhere, some of it several times in the same place.
+/// Instances of all geometries at random places. Some are at the same place, some are exact copies.
 fn scattered(seed: u64, count: usize) -> World {
     let mut random = Random(seed);
     let geometries = worlds::geometries(&mut random);
@@ -219,9 +210,9 @@ fn scattered(seed: u64, count: usize) -> World {
     World::new(geometries, instances).unwrap()
 }
 
-/// Instances that are the same in the world but for rounding: cubes and squares of different sizes, each scaled to size 1,
-/// stretched, turned upon themselves, mirrored and far from the origin. Their faces lie in the sides of their boxes, and each
-/// other's.
+/// Instances that are equal in the world up to rounding: cubes and squares of different sizes, each scaled to size 1,
+/// some rotated to themselves, sheared or mirrored, some far from the origin. Their faces are in planes of their boxes
+/// and of the other boxes.
 fn coincident(seed: u64, count: usize) -> World {
     let mut random = Random(seed);
     let sizes = [Vec3::ONE, Vec3::splat(3.0), Vec3::splat(0.7), Vec3::splat(1e-3), Vec3::new(0.3, 1.1, 17.0)];
@@ -239,7 +230,7 @@ fn coincident(seed: u64, count: usize) -> World {
                     Mat3::from_cols(Vec3::Y, Vec3::NEG_X, Vec3::Z),
                     Mat3::from_cols(Vec3::NEG_X, Vec3::Y, Vec3::Z),
                     Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X),
-                    // A shear within the plane of the squares, and one out of it.
+                    // A shear within the plane of the squares, and one out of this plane.
                     Mat3::from_cols(Vec3::X, Vec3::new(1.3, 1.0, 0.0), Vec3::Z),
                     Mat3::from_cols(Vec3::X, Vec3::new(0.0, 1.0, 0.7), Vec3::Z),
                 ],
@@ -259,7 +250,7 @@ fn worlds_of_instances_have_identical_hits() {
         ("coincident", coincident(3, 60)),
         ("one quadric", {
             let (geometry, object_to_world) = (Geometry::Quadric(Quadric::cone(1.0, 2.0)), Affine3::IDENTITY);
-            World::new(vec![geometry], vec![Placement { geometry: 0, object_to_world, paint: Paint::Own }]).unwrap()
+            World::new(vec![geometry], vec![place(0, object_to_world)]).unwrap()
         }),
     ] {
         let rays = worlds::rays(&world, 5, 3_000);
@@ -281,7 +272,7 @@ impl Visitor<Quadric> for EveryQuadric<'_> {
     }
 }
 
-/// Instances at the ends of the range: their boxes, rays and distances overflow, or are subnormal.
+/// Instances at the ends of the range of `f32`: their boxes, rays and distances overflow or are subnormal.
 #[test]
 fn odd_worlds_have_identical_hits() {
     let mut random = Random(13);
@@ -309,10 +300,10 @@ fn odd_worlds_have_identical_hits() {
     }
 }
 
-/// Rays that blocks take: from one point, and from the points of a grid, nearly parallel, among them some that are inactive or
-/// end early, and some that start or end on the surface; each block with its own direction. One ray in a thousand makes its
-/// block unfit.
-fn alike_rays(mesh: &Mesh, random: &mut Random) -> Vec<Ray<f32>> {
+/// Rays that are traced as blocks: 64 rays from one point or from nearby points, nearly parallel, with a direction per
+/// block. Some are inactive or end early, some start or end on the surface. A few contain a NaN or an infinity, and
+/// their block cannot be traced as one.
+fn coherent_rays(mesh: &Mesh, random: &mut Random) -> Vec<Ray<f32>> {
     let bounds = mesh.bounds();
     let size = bounds.extent().length();
     let item = size / (mesh.len() as f32).sqrt();
@@ -326,12 +317,12 @@ fn alike_rays(mesh: &Mesh, random: &mut Random) -> Vec<Ray<f32>> {
             let dir = dir + vec3(random) * (spread * size);
             let origin = if block % 2 == 0 { v0 - dir * 0.5 } else { target - dir * 0.25 };
             let mut ray = match block % 4 {
-                // From one point: the eye.
+                // From one point, the eye.
                 0 | 2 => Ray::new(
                     v0 - Vec3::splat(0.3 * size),
                     v0 + vec3(random) * (spread * size) - (v0 - Vec3::splat(0.3 * size)),
                 ),
-                // Towards a surface, or away from it.
+                // Towards a surface or away from it.
                 1 => Ray::new(origin, dir),
                 _ => Ray::new(v0 + vec3(random) * item, dir),
             };
@@ -350,17 +341,17 @@ fn alike_rays(mesh: &Mesh, random: &mut Random) -> Vec<Ray<f32>> {
 }
 
 #[test]
-fn rays_that_are_alike_have_identical_hits() {
+fn coherent_rays_have_identical_hits() {
     for name in ["room:small", "terrain:1e3", "sphere:small"] {
         let mesh = built_in_mesh(name);
-        let mut rays = alike_rays(&mesh, &mut Random(21));
-        // Lengths of directions that make the least and the greatest inverses.
+        let mut rays = coherent_rays(&mesh, &mut Random(21));
+        // Very long and very short directions: their inverses are tiny and huge.
         for (ray, scale) in rays.clone().into_iter().zip([1e-30, 1e-20, 1e20, 1e30].into_iter().cycle()).step_by(7) {
             rays.push(Ray { origin: ray.origin, dir: ray.dir * scale, t_min: ray.t_min, t_max: ray.t_max / scale });
         }
         let scene = Scene::<Woop<f32>>::from(mesh);
         every_way(name, &scene, &rays, 16);
-        // They are taken together indeed: a block visits hardly more nodes than each of its rays.
+        // Blocks are traced as one: a block visits few more nodes than one of its rays.
         let rays = &rays[..12_800];
         let hits = trace(&scene, rays, false, Mode::Scalar).iter().filter(|hit| hit.mask).count() as u64;
         let [scalar, single, packet, _] = Mode::ALL.map(|mode| count(&scene, rays, false, mode));
@@ -373,10 +364,10 @@ fn rays_that_are_alike_have_identical_hits() {
     }
 }
 
-/// Rays from one point, of which neighbours run a little apart, but meet triangles that are far smaller: blocks would meet
-/// hundreds, and must give up early.
+/// Neighbours start at one point and diverge slightly, but the triangles are much smaller. A block would test hundreds
+/// of triangles; it must stop early.
 #[test]
-fn rays_that_only_look_alike_have_identical_hits_and_do_not_meet_more_triangles() {
+fn diverging_rays_have_identical_hits_and_few_more_tests() {
     let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e5").unwrap().load().unwrap();
     let mut random = Random(23);
     let mut rays = view.camera(64, 64).rays(64, 64);
@@ -395,8 +386,9 @@ fn rays_that_only_look_alike_have_identical_hits_and_do_not_meet_more_triangles(
     }
 }
 
-/// What the second application of the rule does, seen from outside: an instance alone has the hits of the transformed ray, but
-/// for those that miss its world box, and with `t` clamped to it. Far-away rays need the clamp often.
+/// The box rule applied to the world box of an instance. A scene of one instance has the hits of the transformed ray,
+/// with two exceptions: rays that miss the world box have no hit, and `t` is clamped to the box. Rays from far away
+/// often need the clamp.
 #[test]
 fn hits_of_an_instance_are_clamped_to_its_world_box() {
     let mut random = Random(17);
@@ -405,8 +397,7 @@ fn hits_of_an_instance_are_clamped_to_its_world_box() {
         let mesh = worlds::cuboid(vec3(&mut random));
         let object_to_world = worlds::transform(&mut random, 8.0);
         let bare = Instance::new(Scene::<Cramer<f32>>::from(mesh.clone()), object_to_world).unwrap();
-        let placement = Placement { geometry: 0, object_to_world, paint: Paint::Own };
-        let world = World::new(vec![Geometry::Mesh(mesh)], vec![placement]).unwrap();
+        let world = World::new(vec![Geometry::Mesh(mesh)], vec![place(0, object_to_world)]).unwrap();
         let rays = worlds::rays(&world, 1 + random.below(1000) as u64, 100);
         let scene = Scene::<Cramer<f32>>::new(world);
         let bounds = scene.bounds();
@@ -416,7 +407,7 @@ fn hits_of_an_instance_are_clamped_to_its_world_box() {
                 removed += u32::from(expected.mask);
                 continue;
             }
-            // The transform by the identity is no transform.
+            // An identity is not applied.
             if object_to_world != Affine3::IDENTITY {
                 assert_eq!((got.u, got.v, got.primitive), (expected.u, expected.v, expected.primitive));
             }
@@ -424,7 +415,7 @@ fn hits_of_an_instance_are_clamped_to_its_world_box() {
             let slack = ray.dir.abs().as_dvec3() * f64::from(got.t.abs()) * 1e-6;
             assert!(
                 point.cmpge(bounds.lo.as_dvec3() - slack).all() && point.cmple(bounds.hi.as_dvec3() + slack).all(),
-                "{ray:?}: {got:?} at {point}, outside of {bounds:?}"
+                "{ray:?}: {got:?} at {point} is outside of {bounds:?}"
             );
             same += u32::from(got.t == expected.t);
             clamped += u32::from(got.t != expected.t);
@@ -433,8 +424,8 @@ fn hits_of_an_instance_are_clamped_to_its_world_box() {
     assert!(same > 1000 && clamped > 100 && removed > 10, "{same} the same, {clamped} clamped, {removed} removed");
 }
 
-/// A wall at 0.4 beside an origin of 2²³, where the next `f32` is 1 further: rounded to nearest its box would be flat and
-/// 0.4 away from it, and a ray that ends between the two would miss.
+/// A wall at 0.4 from an origin of 2²³, where neighbours in `f32` are 1 apart. With rounding to nearest its box would
+/// be flat and 0.4 away from the wall, and a ray that ends between them would miss.
 #[test]
 fn world_boxes_are_rounded_outwards() {
     for (side, sign) in [(0.4, 1.0), (0.6, -1.0)] {
@@ -446,11 +437,7 @@ fn world_boxes_are_rounded_outwards() {
             ];
             let wall = [Vec3::new(side, -1.0, -1.0), Vec3::new(side, 1.0, -1.0), Vec3::new(side, 0.0, 1.0)];
             let [far, towards] = [8_388_608.0 * Vec3::AXES[axis], Vec3::AXES[axis]];
-            let placement = Placement {
-                geometry: 0,
-                object_to_world: Affine3 { matrix3: turn[axis], translation: far },
-                paint: Paint::Own,
-            };
+            let placement = place(0, Affine3 { matrix3: turn[axis], translation: far });
             let mesh = worlds::mesh(wall.to_vec(), vec![[0, 1, 2]]);
             let scene =
                 Scene::<MollerTrumbore<f32>>::new(World::new(vec![Geometry::Mesh(mesh)], vec![placement]).unwrap());
@@ -462,14 +449,13 @@ fn world_boxes_are_rounded_outwards() {
     }
 }
 
-/// A mesh has the hits of an instance of it by the identity also among other instances.
+/// An instance with the identity transform, next to another instance, has the hits of the mesh.
 #[test]
-fn the_identity_changes_nothing() {
+fn an_identity_transform_changes_no_hit() {
     let mesh = built_in_mesh("sphere:1e3");
     let rays = hard_rays(&mesh, 4_000);
     let alone = trace(&Scene::<MollerTrumbore<f32>>::from(mesh.clone()), &rays, false, Mode::Scalar);
-    let at = |object_to_world| Placement { geometry: 0, object_to_world, paint: Paint::Own };
-    let instances = vec![at(Affine3::from_translation(Vec3::splat(1e9))), at(Affine3::IDENTITY)];
+    let instances = vec![place(0, Affine3::from_translation(Vec3::splat(1e9))), place(0, Affine3::IDENTITY)];
     let world = World::new(vec![Geometry::Mesh(mesh)], instances).unwrap();
     let scene = Scene::<MollerTrumbore<f32>>::new(world);
     for mode in Mode::ALL {
@@ -482,7 +468,7 @@ fn the_identity_changes_nothing() {
     }
 }
 
-/// Primitive numbers run through all geometries, used or not; and between equal instances the first is hit.
+/// Primitive numbers count through all geometries, also unused ones. Of two equal instances the first is hit.
 #[test]
 fn primitives_count_through_all_geometries() {
     let geometries = vec![
@@ -491,14 +477,9 @@ fn primitives_count_through_all_geometries() {
         Geometry::Mesh(worlds::cuboid(Vec3::ONE)),
         Geometry::Quadric(Quadric::sphere(1.0)),
     ];
-    let place = |geometry, x: f32| Placement {
-        geometry,
-        object_to_world: Affine3::from_translation(Vec3::new(x, 0.0, 0.0)),
-        paint: Paint::Own,
-    };
-    let instances =
-        [(3, 0.0), (3, 0.0), (1, 4.0), (2, 8.0), (2, 8.0), (0, 12.0)].map(|(geometry, x)| place(geometry, x)).to_vec();
-    let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries, instances).unwrap());
+    let instances = [(3, 0.0), (3, 0.0), (1, 4.0), (2, 8.0), (2, 8.0), (0, 12.0)]
+        .map(|(geometry, x)| place(geometry, Affine3::from_translation(Vec3::X * x)));
+    let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries, instances.to_vec()).unwrap());
     assert_eq!(scene.primitives(), 26);
     for (x, primitives, instance) in [(0.0, 25..26, 0), (4.0, 12..13, 2), (8.0, 13..25, 3), (12.0, 0..12, 5)] {
         let ray = Ray::new(Vec3::new(x + 0.25, 0.125, 5.0), Vec3::NEG_Z);
@@ -510,11 +491,10 @@ fn primitives_count_through_all_geometries() {
     }
 }
 
-/// Meshes that trees stumble over: one triangle, many in one place, points, lines, sizes at the ends of the range.
+/// Meshes that are hard for trees: one triangle, many at one place, points, lines, sizes at the ends of the range.
 #[test]
 fn odd_meshes_have_identical_hits() {
     let mut random = Random(11);
-    let part = || vec![Part { first_triangle: 0, color: Vec3::ONE }];
     for scale in [1e-42, 1e-30, 1.0, 1e15, 1e30, f32::MAX] {
         for count in [1, 2, 3, 5, 9, 100] {
             for kind in 0..4 {
@@ -530,7 +510,7 @@ fn odd_meshes_have_identical_hits() {
                 }
                 positions.iter_mut().for_each(|position| *position *= scale);
                 let triangles = (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
-                let mesh = Mesh::new(positions, triangles, part()).unwrap();
+                let mesh = worlds::mesh(positions, triangles);
                 let rays: Vec<_> = hard_rays(&mesh, 64);
                 registry::triangles(&mut TreeAgainstBruteForce { mesh: &mesh, rays: &rays });
             }
@@ -538,7 +518,7 @@ fn odd_meshes_have_identical_hits() {
     }
 }
 
-/// No demands on how many rays hit.
+/// Compares all modes with brute force. Any number of rays may hit.
 struct TreeAgainstBruteForce<'a> {
     mesh: &'a Mesh,
     rays: &'a [Ray<f32>],
@@ -555,33 +535,33 @@ impl Visitor<Triangle> for TreeAgainstBruteForce<'_> {
     }
 }
 
-/// The kind of Embree's issue 387: rays from afar, nearly parallel to a triangle, are reported to hit it where it is not,
-/// since barycentrics and `t` are quotients of rounding errors. The rule removes what is outside the triangle's own box.
+/// Like Embree's issue 387: rays from far away and nearly parallel to a triangle are reported to hit it at a wrong
+/// place, because barycentrics and `t` are quotients of rounding errors. The rule removes hits outside of the
+/// triangle's own box.
 #[test]
 fn hits_stay_in_their_own_box() {
     let mut random = Random(3);
     let (mut removed, mut kept) = (0, 0);
     for _ in 0..200_000 {
         let triangle = Triangle { v0: vec3(&mut random), v1: vec3(&mut random), v2: vec3(&mut random) };
-        // Through a point of the plane beside the triangle, or in it, from afar and almost within the plane.
+        // From far away and almost within the plane, through a point of the plane inside or outside of the triangle.
         let [e1, e2] = [triangle.v1 - triangle.v0, triangle.v2 - triangle.v0];
         let target = triangle.v0 + e1 * (3.0 * unit(&mut random) - 1.0) + e2 * (3.0 * unit(&mut random) - 1.0);
         let dir = e1 * unit(&mut random) + e2 * unit(&mut random) + vec3(&mut random) * 1e-4;
         let ray = Ray::new(target - dir * 1e4, dir);
-        let corners = triangle.vertices().to_vec();
-        let part = Part { first_triangle: 0, color: Vec3::ONE };
-        let scene = Scene::<MollerTrumbore<f32>>::from(Mesh::new(corners, vec![[0, 1, 2]], vec![part]).unwrap());
+        let mesh = worlds::mesh(triangle.vertices().to_vec(), vec![[0, 1, 2]]);
+        let scene = Scene::<MollerTrumbore<f32>>::from(mesh);
         let bare = Intersect::<f32>::hit(&MollerTrumbore::prepare(&triangle), &ray);
         let hit = Intersect::<f32>::hit(&scene, &ray);
-        assert!(bare.mask || !hit.mask, "the rule only removes hits");
+        assert!(bare.mask || !hit.mask, "the rule added a hit");
         removed += u32::from(bare.mask && !hit.mask);
         if hit.mask {
             kept += 1;
             let bounds = triangle.bounds();
-            // The padding, 4 ulp of t.
+            // The padding is 4 ulp of t.
             let (point, slack) = (ray.at(hit.t), Vec3::splat(4e-6 * hit.t.abs() * dir.length()));
             assert!(point.cmpge(bounds.lo - slack).all() && point.cmple(bounds.hi + slack).all(), "{hit:?} at {point}");
         }
     }
-    assert!(removed > 100 && kept > 100, "{removed} removed, {kept} kept: the case does not show what it should");
+    assert!(removed > 100 && kept > 100, "only {removed} hits removed and {kept} kept");
 }

@@ -1,5 +1,7 @@
-//! Transforms against exact arithmetic: chains and inverses against products of rational matrices, sines against their
-//! series, normals in the world against cross products of exactly transformed edges.
+//! Tests of transforms against exact arithmetic.
+//!
+//! Chains and inverses are compared with products of rational matrices, sines with their series, and normals in the
+//! world with cross products of exactly transformed edges.
 
 mod random;
 
@@ -22,7 +24,7 @@ fn size(value: RBig) -> RBig {
     if value < RBig::ZERO { -value } else { value }
 }
 
-/// Rows of a homogeneous matrix but for the last one, which is (0, …, 0, 1): of the plane in two rows, of space in three.
+/// The rows of a homogeneous matrix without the last row, which is (0, …, 0, 1): two rows in the plane, three in space.
 type Rows = Vec<Vec<RBig>>;
 
 fn rows3(matrix: &DAffine3) -> Rows {
@@ -52,7 +54,7 @@ fn identity(n: usize) -> Rows {
     (0..n).map(|row| (0..=n).map(|column| exact(f64::from(u8::from(row == column)))).collect()).collect()
 }
 
-/// Whole numbers, powers of two and right angles if `dyadic`, so that products have few digits; else anything.
+/// Random parameters. If `dyadic`: whole numbers, powers of two and right angles, whose products have few digits.
 struct Parameters {
     random: Random,
     dyadic: bool,
@@ -99,12 +101,12 @@ impl Parameters {
     }
 }
 
-/// Checks the entries of a chain, last row included, against the exact product of its factors, the one that is applied
-/// first standing last.
+/// Compares the entries of a chain, with its last row, with the exact product of its factors. The factor that is
+/// applied first is the last one. Returns whether every entry is correctly rounded.
 ///
-/// An entry of a product of n + 1 factors is a sum of products that has gone through 3n multiplications and additions in
-/// space, and one more each time for the translation, each of which rounds. So its error is at most 4n half ulps of the
-/// same sum of absolute values, but for terms of second order; and then it is rounded to `f32`.
+/// An entry of a product of n + 1 factors is a sum of products. In space it goes through 3n multiplications and
+/// additions, and one more per factor for the translation. Each of them rounds. Apart from terms of second order, the
+/// error is at most 4n half ulps of the same sum of absolute values. Then the entry is rounded to `f32`.
 fn assert_product(got: &[f32], factors: &[Rows], dyadic: bool) -> bool {
     let n = factors[0].len();
     let chain = factors.iter().skip(1).fold(factors[0].clone(), |chain, factor| product(&chain, factor));
@@ -138,7 +140,7 @@ fn chains_are_products_of_their_factors() {
         for case in 0..600 {
             let length = 1 + parameters.random.below(8);
             let chain: Vec<_> = (0..length).map(|_| parameters.transform3()).collect();
-            // What is applied first stands last.
+            // The transform that is applied first is the last factor.
             let factors: Vec<_> = chain.iter().rev().map(|one| rows3(&one.matrix())).collect();
             let got = Mat4::from(Transform3::chain(&chain)).to_cols_array();
             correctly_rounded += u32::from(assert_product(&got, &factors, dyadic));
@@ -162,7 +164,7 @@ fn chains_are_products_of_their_factors() {
 #[test]
 fn inverses_undo_their_transforms() {
     let mut parameters = Parameters { random: Random(12), dyadic: false };
-    // Of the squares of sine and cosine, whose relative error is below 2⁻⁵⁰, and of an inverted factor, which is rounded.
+    // The squares of sine and cosine have a relative error below 2⁻⁵⁰; an inverted factor is rounded.
     let bound = exact(8.0 * HALF_ULP_64 * 2.5);
     let check = |matrix: Rows, inverse: Rows, is_exact: bool, what: &dyn std::fmt::Display| {
         let identity = identity(matrix.len());
@@ -187,7 +189,8 @@ fn inverses_undo_their_transforms() {
 fn series(degrees: f32) -> [RBig; 2] {
     let places = exact(2f64.powi(160));
     let fixed = |value: RBig| RBig::from((value * &places).round()) / &places;
-    let pi: RBig = "31415926535897932384626433832795028841971693993751058209749445923/10000000000000000000000000000000000000000000000000000000000000000"
+    let pi: RBig = "31415926535897932384626433832795028841971693993751058209749445923\
+                    /10000000000000000000000000000000000000000000000000000000000000000"
         .parse()
         .unwrap();
     let turns = exact((f64::from(degrees) / 360.0).round());
@@ -206,26 +209,26 @@ fn series(degrees: f32) -> [RBig; 2] {
 }
 
 #[test]
-fn sines_and_cosines_are_as_right_as_documented() {
+fn sines_and_cosines_keep_their_documented_error() {
     let mut parameters = Parameters { random: Random(13), dyadic: false };
     for case in 0..500 {
         let degrees = match case {
             0..400 => parameters.degrees(),
-            // Next to where one of them vanishes, and tiny.
+            // Near the zeros of sine and cosine, and tiny angles.
             400..450 => (90.0 * (case - 425) as f32).next_up(),
             _ => 1e-3 * parameters.number(),
         };
         let matrix = Transform3::RotateZ(degrees).matrix().matrix3;
         for (got, expected) in [matrix.x_axis.y, matrix.x_axis.x].into_iter().zip(series(degrees)) {
             let error = size(exact(got) - &expected);
-            // Where it vanishes, the series does so but for its own roundings.
+            // At a zero, the series is zero up to its own rounding.
             let bound = size(expected.clone()) * exact(8.0 * HALF_ULP_64) + exact(2f64.powi(-150));
             assert!(error <= bound, "{degrees}: {got} instead of {}", expected.to_f64().value());
         }
     }
 }
 
-/// A triangle of whole numbers, whose normal `f32` holds exactly.
+/// A triangle with whole coordinates. `f32` holds its normal exactly.
 fn whole_triangle(random: &mut Random) -> Triangle {
     loop {
         let [v0, v1, v2] = [(); 3].map(|()| Vec3::from([(); 3].map(|()| random.below(201) as f32 - 100.0)));
@@ -273,8 +276,8 @@ fn angle(got: Vec3, expected: &[RBig; 3]) -> f64 {
     sine_squared.to_f64().value().sqrt().asin()
 }
 
-/// Of one of many kinds: rotated and scaled by different factors, mirrored or not, sheared to condition numbers of up to
-/// 10⁴, tiny and huge, far away; and anything at all.
+/// A random chain of transforms, then one of: different scales along the axes, a tiny or huge scale, a shear up to
+/// condition numbers of 10⁴, a long translation, a mirror.
 fn transform(parameters: &mut Parameters) -> Affine3 {
     let power = |random: &mut Random, range: usize| 10f32.powi(random.below(2 * range + 1) as i32 - range as i32);
     let mut chain = Vec::new();
@@ -298,7 +301,7 @@ fn transform(parameters: &mut Parameters) -> Affine3 {
 }
 
 #[test]
-fn normals_are_those_of_exactly_transformed_triangles() {
+fn normals_are_near_those_of_exactly_transformed_triangles() {
     let mut parameters = Parameters { random: Random(14), dyadic: false };
     let (mut mirrors, mut worst, mut conditions) = (0, 0f64, [0; 3]);
     for _ in 0..3000 {
@@ -312,18 +315,18 @@ fn normals_are_those_of_exactly_transformed_triangles() {
         let triangle = whole_triangle(&mut parameters.random);
         let instance = Instance::new((), transform).unwrap();
         let expected = world_normal(&transform, &triangle);
-        // One rounding to f32 of each coordinate of a unit vector, and those of f64.
+        // Each coordinate of a unit vector is rounded to f32 once, after roundings in f64.
         let normal = (triangle.v1 - triangle.v0).cross(triangle.v2 - triangle.v0);
         let error = angle(instance.normal_to_world(normal), &expected);
         assert!(error <= HALF_ULP_32 + 16.0 * HALF_ULP_64 * condition, "{error} rad, {transform:?} {triangle:?}");
         worst = worst.max(error);
-        // From a rounded normal the transform makes what its condition number allows.
+        // From a rounded normal the error may grow by the condition number.
         let error = angle(instance.normal_to_world(triangle.normal()), &expected);
         assert!(error <= HALF_ULP_32 * (1.0 + 4.0 * condition), "{error} rad, {transform:?} {triangle:?}");
     }
     println!("worst angle: {:.3} half ulps; {mirrors} mirrors; conditions {conditions:?}", worst / HALF_ULP_32);
     assert!(mirrors > 900 && conditions.iter().all(|&count| count > 30), "{mirrors} {conditions:?}");
-    assert!(worst > 0.5 * HALF_ULP_32, "a bound that nothing comes near: {worst}");
+    assert!(worst > 0.5 * HALF_ULP_32, "the bound is too loose: the worst error is {worst} rad");
 }
 
 #[test]

@@ -1,99 +1,68 @@
-//! The scalar and the packet twin of every registered kernel give the same bits for every input: in each lane position,
-//! in full and partial packets, for eight rays against one primitive and one ray against eight primitives.
+//! Tests that the scalar and the packet twin of every registered kernel give the same bits for every input: in each
+//! lane, in full and partial packets, for eight rays against one primitive and one ray against eight primitives.
 //!
-//! `PROPTEST_CASES` raises the number of packets, `PROPTEST_RNG_SEED` changes the seed.
+//! There is one test per kernel. A failure names the kernel, the width, the lane and the simplest input that fails,
+//! with its bits. `PROPTEST_CASES` raises the number of packets, `PROPTEST_RNG_SEED` changes the seed.
 
 mod aim;
+mod harness;
 
 use std::fmt::{Debug, Write};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
+use std::process::ExitCode;
+use std::sync::{Arc, LazyLock};
 
+use libtest_mimic::Trial;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
 use raylanes::geom::{Aabb, Hit, Mask8, Placed, Quadric, Ray, Triangle};
 use raylanes::kernels::{Intersect, Kernel};
-use raylanes::registry::{self, Visitor};
+use raylanes::registry::{self, Registered, Visitor};
 use wide::f32x8;
 
 use aim::{Aimed, Case};
 
 const PACKETS: u32 = 20_000;
 
-/// What is to be done, each by itself, so that all cores can help.
-#[derive(Default)]
-struct Twins(Vec<fn() -> Outcome>);
-
-#[test]
-fn twins_have_identical_hits() {
-    let mut twins = Twins::default();
-    registry::all(&mut twins);
-    let Twins(jobs) = twins;
-    assert!(!jobs.is_empty(), "the registry is empty");
-    // The cases of each shape first, or every thread would wait for the first shape's.
-    let fills = [
-        fill::<Aabb>,
-        fill::<Triangle>,
-        fill::<Quadric>,
-        fill::<Placed<Aabb>>,
-        fill::<Placed<Triangle>>,
-        fill::<Placed<Quadric>>,
+fn main() -> ExitCode {
+    let generators = harness::test("generators_reach_what_they_promise", generators_reach_what_they_promise);
+    let groups = vec![
+        of_shape::<Aabb>(),
+        of_shape::<Triangle>(),
+        of_shape::<Quadric>(),
+        of_shape::<Placed<Aabb>>(),
+        of_shape::<Placed<Triangle>>(),
+        of_shape::<Placed<Quadric>>(),
+        vec![generators],
     ];
-    in_parallel(&fills);
+    harness::run(groups, registry::all)
+}
 
-    let mut failures = Vec::new();
-    for Outcome { summary, failure } in in_parallel(&jobs) {
-        print!("{summary}");
-        failures.extend(failure);
+/// One test for each kernel of a shape.
+fn of_shape<S: Aimed + Registered>() -> Vec<Trial> {
+    let mut tests = Tests { cases: Arc::new(LazyLock::new(make_cases::<S>)), trials: Vec::new() };
+    S::visit_kernels(&mut tests);
+    tests.trials
+}
+
+struct Tests<S> {
+    /// Made once for all kernels of the shape: making the cases takes longer than checking them.
+    cases: Arc<LazyLock<Vec<Case<S>>>>,
+    trials: Vec<Trial>,
+}
+
+impl<S: Aimed> Visitor<S> for Tests<S> {
+    fn visit<K: Kernel<Shape = S>>(&mut self) {
+        let cases = self.cases.clone();
+        let check = move || check_all::<K>(&cases);
+        self.trials.push(harness::of_kernel("twins", K::INFO.id.to_string(), check));
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-fn fill<S: Pooled>() {
-    S::cases();
+fn make_cases<S: Aimed>() -> Vec<Case<S>> {
+    let (mut runner, cases) = runner();
+    let strategy = aim::cases();
+    (0..cases).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect()
 }
-
-/// Runs the jobs on all cores; the results are in the order of the jobs.
-fn in_parallel<T: Send + Sync>(jobs: &[fn() -> T]) -> Vec<T> {
-    let results: Vec<OnceLock<T>> = jobs.iter().map(|_| OnceLock::new()).collect();
-    let next = AtomicUsize::new(0);
-    let work = || {
-        loop {
-            let job = next.fetch_add(1, Ordering::Relaxed);
-            let (Some(run), Some(slot)) = (jobs.get(job), results.get(job)) else { break };
-            assert!(slot.set(run()).is_ok(), "each job is taken once");
-        }
-    };
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(work);
-        }
-    });
-    results.into_iter().map(|slot| slot.into_inner().expect("every job was taken")).collect()
-}
-
-/// A shape whose cases are made once, for all its kernels: making them takes longer than checking them.
-trait Pooled: Aimed {
-    fn cases() -> &'static [Case<Self>];
-}
-
-macro_rules! pooled {
-    ($($shape:ty),*) => {$(
-        impl Pooled for $shape {
-            fn cases() -> &'static [Case<Self>] {
-                static CASES: OnceLock<Vec<Case<$shape>>> = OnceLock::new();
-                CASES.get_or_init(|| {
-                    let (mut runner, cases) = runner();
-                    let strategy = aim::cases();
-                    (0..cases).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect()
-                })
-            }
-        }
-    )*};
-}
-pooled!(Aabb, Triangle, Quadric, Placed<Aabb>, Placed<Triangle>, Placed<Quadric>);
 
 /// The source of the cases, and how many of them to take.
 fn runner() -> (TestRunner, u32) {
@@ -106,13 +75,7 @@ fn runner() -> (TestRunner, u32) {
     (TestRunner::new(Config { cases, rng_seed, failure_persistence: None, ..defaults }), cases)
 }
 
-/// What came of one kernel.
-struct Outcome {
-    summary: String,
-    failure: Option<String>,
-}
-
-/// Tests and hits of one face, to show that a property did not pass on misses alone.
+/// Tests and hits of one width. They show that the property did not pass on misses alone.
 #[derive(Clone, Copy, Default)]
 struct HitRate {
     tests: u64,
@@ -130,47 +93,43 @@ impl HitRate {
     }
 }
 
-impl<S: Pooled> Visitor<S> for Twins {
-    fn visit<K: Kernel<Shape = S>>(&mut self) {
-        self.0.push(check_all::<S, K>);
-    }
-}
-
-fn check_all<S: Pooled, K: Kernel<Shape = S>>() -> Outcome {
-    let id = K::INFO.id;
+/// Checks all cases; returns the hit rates, or the simplest case that fails.
+fn check_all<K: Kernel<Shape: Aimed>>(cases: &[Case<K::Shape>]) -> Result<String, String> {
     let mut rates = [HitRate::default(); 2];
-    let cases = S::cases();
     if let Some(failing) = cases.iter().position(|case| check::<K>(case, &mut rates).is_err()) {
-        return Outcome { summary: String::new(), failure: Some(shrunk::<S, K>(failing)) };
+        return Err(shrunk::<K>(failing));
     }
     let [many_rays, many_primitives] = rates.map(HitRate::percent);
-    let packets = cases.len();
-    Outcome {
-        summary: format!("{id}: {packets} packets, hits: {many_rays:.0} % of 8x1, {many_primitives:.0} % of 1x8\n"),
-        failure: (!(15.0..=85.0).contains(&many_rays) || !(8.0..=85.0).contains(&many_primitives))
-            .then(|| format!("{id}: the rays are badly aimed, the property saw next to one outcome")),
+    let summary = format!(
+        "{}: {} packets, hits: {many_rays:.0} % of 8x1, {many_primitives:.0} % of 1x8",
+        K::INFO.id,
+        cases.len()
+    );
+    if !(15.0..=85.0).contains(&many_rays) || !(8.0..=85.0).contains(&many_primitives) {
+        return Err(format!("{summary}: too many rays hit, or too many miss, to test both outcomes"));
     }
+    Ok(summary)
 }
 
-/// Makes case number `failing` again, this time with what is needed to simplify it, and describes the simplest that
-/// fails.
-fn shrunk<S: Pooled, K: Kernel<Shape = S>>(failing: usize) -> String {
+/// Describes the simplest case that fails. Case number `failing` is made again, this time with the means to simplify
+/// it.
+fn shrunk<K: Kernel<Shape: Aimed>>(failing: usize) -> String {
     let (mut runner, _) = runner();
-    let strategy = aim::cases::<S>();
+    let strategy = aim::cases::<K::Shape>();
     for _ in 0..failing {
         strategy.new_tree(&mut runner).unwrap();
     }
     let tree = strategy.new_tree(&mut runner).unwrap();
-    let check = |case: &Case<S>| check::<K>(case, &mut Default::default());
+    let check = |case: &Case<K::Shape>| check::<K>(case, &mut Default::default());
     match runner.run_one(tree, |case| check(&case).map_err(TestCaseError::fail)) {
-        // The reason that proptest kept may belong to a larger case than the one it shrank to.
+        // The reason that proptest kept may come from a larger case than the final one.
         Err(TestError::Fail(_, case)) => check(&case).expect_err("shrinking keeps the failure"),
         Err(TestError::Abort(reason)) => panic!("{}: aborted: {reason}", K::INFO.id),
         Ok(_) => unreachable!("the same seed makes the same cases"),
     }
 }
 
-// One copy of each twin, instead of one for each place that calls it.
+// Not inlined: one copy of each twin instead of one per call.
 
 #[inline(never)]
 fn hit<K: Kernel>(primitive: &K, ray: &Ray<f32>) -> Hit<f32> {
@@ -197,7 +156,7 @@ fn hit_gathered<K: Kernel>(primitives: &K::Packet, packet: &Ray<f32x8>) -> Hit<f
     primitives.hit(packet)
 }
 
-/// Checks one packet of rays against one packet of primitives.
+/// Compares the twins on one packet of rays and one packet of primitives, in every pairing.
 fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(), String> {
     let primitives = case.shapes.map(|shape| K::prepare(&shape));
     let gathered = K::gather(&primitives);
@@ -210,8 +169,8 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
         let hits = hit8(&primitives[0], &packet);
         for lane in 0..8 {
             let expected = scalar[0][source(lane)];
-            let face = || format!("8 rays x 1 primitive, packet turned by {shift}");
-            compare::<K>(face, case, 0, source(lane), lane, expected, hits.lane(lane))?;
+            let width = || format!("8 rays x 1 primitive, packet turned by {shift}");
+            compare::<K>(width, case, 0, source(lane), lane, expected, hits.lane(lane))?;
             if shift == 0 {
                 rates[0].count(&expected);
                 well_formed::<K>(case, 0, lane, &expected)?;
@@ -228,8 +187,8 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
         let hits = hit8(&primitives[0], &Ray::from_slice(&case.rays[..active]));
         for (lane, hit) in scalar[0].into_iter().enumerate() {
             let expected = if lane < active { hit } else { Hit::MISS };
-            let face = || format!("8 rays x 1 primitive, {active} of 8 active");
-            compare::<K>(face, case, 0, lane, lane, expected, hits.lane(lane))?;
+            let width = || format!("8 rays x 1 primitive, {active} of 8 active");
+            compare::<K>(width, case, 0, lane, lane, expected, hits.lane(lane))?;
         }
     }
 
@@ -249,15 +208,15 @@ fn check<K: Kernel>(case: &Case<K::Shape>, rates: &mut [HitRate; 2]) -> Result<(
     // Lane by lane.
     let hits = hit_gathered::<K>(&gathered, &Ray::from_lanes(&case.rays));
     for (lane, row) in scalar.iter().enumerate() {
-        let face = || "8 rays x 8 primitives".into();
-        compare::<K>(face, case, lane, lane, lane, row[lane], hits.lane(lane))?;
-        let face = || "1 ray x 1 primitive taken out of 8".into();
-        compare::<K>(face, case, lane, lane, lane, row[lane], hit(&K::lane(&gathered, lane), &case.rays[lane]))?;
+        let width = || "8 rays x 8 primitives".into();
+        compare::<K>(width, case, lane, lane, lane, row[lane], hits.lane(lane))?;
+        let width = || "1 ray x 1 primitive taken out of 8".into();
+        compare::<K>(width, case, lane, lane, lane, row[lane], hit(&K::lane(&gathered, lane), &case.rays[lane]))?;
     }
     Ok(())
 }
 
-/// A miss has one content, and a hit holds no NaN and keeps to its interval.
+/// Checks that a miss is [`Hit::MISS`], and that a hit contains no NaN and is within the interval.
 fn well_formed<K: Kernel>(case: &Case<K::Shape>, primitive: usize, ray: usize, hit: &Hit<f32>) -> Result<(), String> {
     let Ray { t_min, t_max, .. } = case.rays[ray];
     let good = if hit.mask {
@@ -274,7 +233,7 @@ fn well_formed<K: Kernel>(case: &Case<K::Shape>, primitive: usize, ray: usize, h
 }
 
 fn compare<K: Kernel>(
-    face: impl FnOnce() -> String,
+    width: impl FnOnce() -> String,
     case: &Case<K::Shape>,
     primitive: usize,
     ray: usize,
@@ -285,7 +244,7 @@ fn compare<K: Kernel>(
     if scalar.mask == packet.mask && scalar.to_bits() == packet.to_bits() {
         return Ok(());
     }
-    let mut text = format!("{}: twins differ, {}, lane {lane}\n", K::INFO.id, face());
+    let mut text = format!("{}: twins differ, {}, lane {lane}\n", K::INFO.id, width());
     describe(&mut text, &case.shapes[primitive], &case.rays[ray]);
     writeln!(text, "          {:>24} {:>24}", "scalar", "packet").unwrap();
     writeln!(text, "mask      {:>24} {:>24}", scalar.mask, packet.mask).unwrap();
@@ -301,7 +260,7 @@ fn decimal_and_hex(value: f32) -> String {
     format!("{value:e} {:08x}", value.to_bits())
 }
 
-/// Ray and shape, in decimal and, where they are numbers, in bits.
+/// Prints ray and shape in decimal, and the ray also in bits.
 fn describe(text: &mut String, shape: &impl Debug, ray: &Ray<f32>) {
     writeln!(text, "shape     {shape:?}").unwrap();
     for (name, v) in [("origin", ray.origin), ("dir", ray.dir)] {
@@ -310,9 +269,7 @@ fn describe(text: &mut String, shape: &impl Debug, ray: &Ray<f32>) {
     writeln!(text, "interval  {}", [ray.t_min, ray.t_max].map(decimal_and_hex).join(", ")).unwrap();
 }
 
-/// The property above is only as good as the cases: one pass over them shows that every kind that the generators
-/// promise comes up.
-#[test]
+/// The cases contain every kind of input that the generators promise: the property above is only as good as they are.
 fn generators_reach_what_they_promise() {
     let mut runner = TestRunner::new(Config { rng_seed: RngSeed::Fixed(1), ..Config::default() });
     let strategy = aim::cases::<Aabb>();
@@ -344,8 +301,7 @@ fn generators_reach_what_they_promise() {
             }
         }
     }
-    println!("{seen:#?}");
-    for (kind, count) in seen {
-        assert!(count >= 30, "only {count} of 32000 rays have: {kind}");
+    for (kind, count) in &seen {
+        assert!(*count >= 30, "only {count} of 32000 rays have: {kind}; all: {seen:?}");
     }
 }

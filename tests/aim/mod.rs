@@ -1,5 +1,7 @@
-//! Aimed test cases: uniformly random rays miss nearly everything, and never meet an edge, a corner, a plane that they
-//! run along, or a number at the end of the range.
+//! Random shapes, and rays aimed at them, as proptest strategies, which can shrink a failing case.
+//!
+//! Uniformly random rays miss nearly everything. They never meet an edge or a corner exactly, never run along a plane,
+//! and never contain a number at the end of the range. These rays do.
 
 use glam::{Affine3, DVec3, Mat3, Vec3};
 use proptest::prelude::*;
@@ -18,20 +20,20 @@ pub(crate) trait Aimed: Shape {
     /// A shape of about unit size around the origin, or a sharp one.
     fn any() -> BoxedStrategy<Self>;
 
-    /// The point that these weights stand for. Weights of 0 and 1 are on the boundary.
+    /// The point with these weights. Weights of 0 and 1 are on the boundary.
     fn target(&self, weights: Vec3) -> Vec3;
 
-    /// A direction within the surface at this point of it, and one that leaves it, both of about the shape's size.
+    /// A tangent and a normal of the surface at a point, both about as long as the shape.
     fn tangent_and_normal(&self, target: Vec3) -> (Vec3, Vec3);
 
     /// Everything multiplied by `factor`.
     fn scaled(&self, factor: f32) -> Self;
 
-    /// Coordinate number `index % n` replaced.
+    /// Replaces one coordinate; `index` counts modulo the number of coordinates.
     fn with_coordinate(&self, index: usize, value: f32) -> Self;
 }
 
-/// Numbers at which definitions part: zeros and infinities of both signs, NaN, subnormals, the ends of the range.
+/// Special numbers: zeros and infinities of both signs, NaN, subnormals, the ends of the range.
 const SHARP: [f32; 14] = [
     0.0,
     -0.0,
@@ -49,7 +51,7 @@ const SHARP: [f32; 14] = [
     1e-20,
 ];
 
-/// Small whole numbers, where products are exact, and any others.
+/// Small whole numbers, whose products are exact, and other numbers.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![2 => (-4i8..=4).prop_map(f32::from), 3 => -4.0f32..4.0, 1 => Just(-0.0f32)]
 }
@@ -67,12 +69,12 @@ fn weight() -> impl Strategy<Value = f32> {
     prop_oneof![2 => Just(0.0f32), 2 => Just(1.0f32), 1 => Just(0.5f32), 5 => 0.0f32..1.0, 1 => -0.5f32..1.5]
 }
 
-/// How one ray meets its shape.
+/// How one ray is aimed at its shape.
 #[derive(Clone, Debug)]
 struct Aim {
     weights: Vec3,
     dir: Vec3,
-    /// Take the direction within the surface, turned out of it by this much.
+    /// The direction is a tangent, turned towards the normal by this angle.
     grazing: Option<f32>,
     distance: f32,
     dir_scale: f32,
@@ -137,7 +139,7 @@ impl Aim {
         let (tangent, normal) = shape.tangent_and_normal(target);
         let dir = match self.grazing {
             Some(angle) => tangent + normal * angle,
-            // In proportion to the shape, so that the distance is too.
+            // In proportion to the shape: the distance is then in proportion too.
             None => self.dir * (tangent.abs().max_element() + normal.abs().max_element()),
         } * self.dir_scale;
         let distance = self.distance / self.dir_scale;
@@ -165,7 +167,7 @@ impl Aim {
 
 /// Packets of rays aimed at packets of shapes.
 pub(crate) fn cases<S: Aimed>() -> impl Strategy<Value = Case<S>> {
-    // Variants of the first shape are hit by rays aimed at it; others are not.
+    // Some shapes are copies of the first: rays aimed at the first hit them too.
     let variant = prop_oneof![1 => Just(None), 1 => S::any().prop_map(Some)];
     let corrupted = prop_oneof![12 => Just(None), 1 => (0..9usize, prop::sample::select(&SHARP[..])).prop_map(Some)];
     (
@@ -261,7 +263,7 @@ impl Aimed for Aabb {
     }
 }
 
-/// One of the kinds that have names, with sizes from 0.1 to 4.
+/// One of the named kinds, with sizes from 0.1 to 4.
 fn named() -> impl Strategy<Value = Quadric> {
     let size = || prop_oneof![2 => 0.1f32..4.0, 3 => (1u8..=4).prop_map(f32::from)];
     (0..8u8, [size(), size(), size()].prop_map(Vec3::from), size()).prop_map(|(kind, axes, height)| match kind {
@@ -276,7 +278,7 @@ fn named() -> impl Strategy<Value = Quadric> {
     })
 }
 
-/// Any coefficients and any box, those of a polynomial that is nearly or exactly linear among them.
+/// Any coefficients and any box. Some polynomials are nearly or exactly linear.
 fn general() -> impl Strategy<Value = Quadric> {
     let flatness = prop_oneof![
         3 => Just(1.0f32),
@@ -307,11 +309,11 @@ impl Aimed for Quadric {
         prop_oneof![15 => named(), 4 => general(), 1 => unclipped, 1 => inverted].boxed()
     }
 
-    /// Two coordinates are where the weights say within the box, the third where the surface is, if it is anywhere there.
+    /// The weights give two coordinates within the box. The third is on the surface, if the surface has a point there.
     fn target(&self, weights: Vec3) -> Vec3 {
         let frame = frame(self);
         let within = frame.target(weights);
-        // A coordinate on a side of the box stays there.
+        // A coordinate on a plane of the box stays there.
         let on_side = |axis: &usize| weights[*axis] == 0.0 || weights[*axis] == 1.0;
         let mut axes = [2, 1, 0];
         axes.sort_by_key(on_side);
@@ -320,7 +322,7 @@ impl Aimed for Quadric {
             direction[axis] = 1.0;
             let mut target = within.as_dvec3();
             target[axis] = 0.0;
-            // Along an axis, the polynomial is given by three of its values.
+            // Along an axis, three values determine the polynomial.
             let [f0, f1, f2] = [0.0, 1.0, -1.0].map(|t| value(self, target + direction * t));
             let (a, b, c) = ((f1 + f2) * 0.5 - f0, (f1 - f2) * 0.5, f0);
             let root = (b * b - 4.0 * a * c).sqrt() * if weights[axis] < 0.5 { -1.0 } else { 1.0 };
@@ -336,7 +338,7 @@ impl Aimed for Quadric {
     fn tangent_and_normal(&self, target: Vec3) -> (Vec3, Vec3) {
         let size = frame(self).extent().max_element();
         let normal = self.normal(target);
-        // Across the axis of what turns about z, or along it: the line that a cone or a cylinder consists of.
+        // For a surface of revolution about z: around the axis, or along a generatrix.
         let across = normal.cross(Vec3::new(0.01, 0.02, 1.0)).normalize_or_zero();
         let round = normal.cross(Vec3::Z).normalize_or_zero();
         let tangent = if target.x > target.y { across } else { round.cross(normal) };
@@ -370,7 +372,7 @@ impl Aimed for Quadric {
     }
 }
 
-/// The box, or one that is not infinite.
+/// The clip box, or a finite one in place of an infinite box.
 fn frame(quadric: &Quadric) -> Aabb {
     let clip = quadric.clip;
     if clip.lo.is_finite() && clip.hi.is_finite() { clip } else { Aabb { lo: Vec3::splat(-4.0), hi: Vec3::splat(4.0) } }

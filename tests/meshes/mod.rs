@@ -1,12 +1,12 @@
-//! Meshes of whole numbers, and rays that meet their edges and vertices exactly.
+//! Random meshes, and rays that meet their edges and vertices exactly.
 //!
-//! Every coordinate is a whole number of at most 24 bits, times one power of two: `f32` holds the points, their
-//! differences, and so the direction from one to another, without rounding. A ray that is aimed at a point of an edge
-//! passes exactly through it.
+//! Every coordinate is a whole number of at most 24 bits, times one power of two. `f32` holds the points and their
+//! differences without rounding, so it also holds the direction from one point to another. A ray aimed at a point of an
+//! edge passes exactly through that point.
 //!
-//! All triangles of a mesh face a ray the same way. At a silhouette two neighbours face opposite ways: both lie on the same
-//! side of the edge they share, and a ray that touches the edge may pass beside both, or enter through one and leave
-//! through the other. None or two hits are right there, and no leak, so such rays would prove nothing.
+//! All triangles of a mesh face a ray the same way. A silhouette would be different: there two neighbours face opposite
+//! ways and lie on the same side of their shared edge. A ray that touches the edge may pass both, or enter through one
+//! and leave through the other. Zero and two hits are correct there, so such rays would prove nothing.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -20,12 +20,12 @@ use crate::random::Random;
 /// A point or a direction, in units of the mesh.
 pub(crate) type Int3 = [i64; 3];
 
-/// Vertices are multiples of this, so that sixteenths of an edge are whole numbers too.
+/// Vertices are multiples of this: sixteenths of an edge are then whole numbers too.
 const STEP: i64 = 16;
-/// No coordinate of a vertex is greater, so that differences have 24 bits.
+/// The greatest coordinate of a vertex: differences then have at most 24 bits.
 const REACH: i64 = 1 << 23;
-/// The lowest triangle that splitting may leave. Rounded coordinates move a ray by up to a few units: by that much a
-/// flatter triangle could be turned over, and the ray through a sixteenth of an edge be one through its end.
+/// The least altitude of a triangle after splitting. Rounded coordinates move a ray by up to a few units. That could
+/// flip a flatter triangle, or move a ray from a sixteenth of an edge to the end of the edge.
 const LEAST_ALTITUDE: i64 = 64 * STEP;
 
 pub(crate) fn minus(a: Int3, b: Int3) -> Int3 {
@@ -46,10 +46,14 @@ pub(crate) fn dot(a: Int3, b: Int3) -> i128 {
     (0..3).map(|axis| i128::from(a[axis]) * i128::from(b[axis])).sum()
 }
 
-/// The same point in `f32`, which must hold it exactly.
+/// The same point in `f32`.
+///
+/// # Panics
+///
+/// If `f32` cannot hold it exactly.
 pub(crate) fn exactly(point: Int3) -> Vec3 {
     let rounded = point.map(|x| x as f32);
-    assert_eq!(rounded.map(|x| x as i64), point, "more than 24 bits");
+    assert_eq!(rounded.map(|x| x as i64), point, "{point:?} needs more than 24 bits");
     Vec3::from(rounded)
 }
 
@@ -59,7 +63,7 @@ pub(crate) fn is_aimed(origin: Int3, dir: Int3, target: Int3) -> bool {
     cross(way, dir) == [0; 3] && dot(way, dir) > 0
 }
 
-/// How a mesh stands in the world: its axes exchanged and mirrored, its unit a power of two.
+/// The transform of a mesh to the world: its axes exchanged and mirrored, its unit a power of two.
 #[derive(Clone, Copy)]
 struct Frame {
     axes: [usize; 3],
@@ -73,8 +77,8 @@ impl Frame {
         axes.rotate_left(random.below(3));
         axes[..2].rotate_left(random.below(2));
         let signs = Vec3::from_array([(); 3].map(|()| if random.below(2) == 0 { 1.0 } else { -1.0 }));
-        // The volumes that some kernels compute are products of three coordinates: neither these nor their roundings
-        // leave the normal numbers.
+        // Some kernels compute volumes, which are products of three coordinates. With these units the volumes and their
+        // rounding errors are normal numbers.
         Self { axes, signs, unit: 2f32.powi(8 - random.below(37) as i32) }
     }
 
@@ -83,12 +87,12 @@ impl Frame {
     }
 }
 
-/// From where a mesh is shot at.
+/// Where the rays at a mesh start.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
-    /// From above or below, nowhere flatter than 45°: the mesh is a height field with lower slopes.
+    /// Above or below, never flatter than 45°: the mesh is a height field whose slopes are lower.
     Above,
-    /// From near its centre: the mesh is closed and star-shaped.
+    /// Near the centre: the mesh is closed and star-shaped.
     Inside,
 }
 
@@ -99,13 +103,13 @@ pub(crate) enum Target {
     Vertex,
 }
 
-/// A ray, with all that it can hit.
+/// A ray, and what it can hit.
 pub(crate) struct Shot {
     pub ray: Ray<f32>,
     pub target: Target,
-    /// The triangles that the ray hits, all of them on their boundary; empty for a ray one ulp off.
+    /// The triangles that the ray hits, all on their boundary, sorted; empty for a ray one ulp off its target.
     pub around: Vec<u32>,
-    /// Groups of eight consecutive triangles, outside of which nothing can be hit.
+    /// Groups of eight consecutive triangles: the ray can hit no triangle outside of them.
     pub groups: Vec<u32>,
 }
 
@@ -119,9 +123,9 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
-    /// A lattice of `columns` by `rows` cells, its vertices and heights moved about and its cells cut along either diagonal;
-    /// random triangles are then split in three until there are `total`. The cells are `cell` wide, or, for 0, as wide
-    /// as fits.
+    /// A lattice of `columns` by `rows` cells. Vertices and heights are moved at random, and each cell is cut along a
+    /// random diagonal. Then random triangles are split in three until there are `total`. Cells are `cell` wide; 0
+    /// means the greatest width that fits.
     pub(crate) fn lattice(columns: i64, rows: i64, total: usize, cell: i64, seed: u64) -> Self {
         let mut random = Random(seed);
         let most = REACH * 3 / 2 / columns.max(rows);
@@ -171,7 +175,8 @@ impl Mesh {
         Self::new(format!("fan of {count} triangles, seed {seed}"), Side::Above, vertices, faces, random)
     }
 
-    /// An octahedron, each triangle cut in four `levels` times, its vertices moved out to about the same distance.
+    /// A closed mesh: an octahedron, each triangle cut in four `levels` times, with vertices at about the same
+    /// distance.
     pub(crate) fn star(levels: u32, seed: u64) -> Self {
         let mut random = Random(seed);
         let radius = REACH / 2;
@@ -208,7 +213,7 @@ impl Mesh {
     }
 
     fn new(name: String, side: Side, vertices: Vec<Int3>, mut faces: Vec<[usize; 3]>, mut random: Random) -> Self {
-        // Neighbours become neighbours in the list too, so that few groups of eight suffice for a ray.
+        // Sorts neighbours next to each other: a ray then needs few groups of eight.
         faces.sort_by_cached_key(|face| along_a_curve(vertices[face[0]]));
         for face in &mut faces {
             face.rotate_left(random.below(3));
@@ -232,8 +237,8 @@ impl Mesh {
         cross(minus(b, a), minus(c, a))
     }
 
-    /// A triangle faces all directions between the four corner directions if it faces these: the cosine's sign is that of
-    /// a linear function.
+    /// Checks the four corner directions. The cosine is linear up to a positive factor, so a triangle that faces these
+    /// four faces all directions between them.
     fn assert_facing_all_from_above(&self) {
         for face in 0..self.faces.len() {
             for corner in [[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]] {
@@ -247,7 +252,7 @@ impl Mesh {
             Side::Above => {
                 assert!(dir[2] != 0 && dir[0].abs().max(dir[1].abs()) <= dir[2].abs(), "{dir:?} is too flat");
             }
-            // An origin behind every face is behind all that a ray from there can reach.
+            // An origin behind every triangle: every ray from there meets the back of each triangle that it hits.
             Side::Inside => {
                 for face in 0..self.faces.len() {
                     let way = minus(self.vertices[self.faces[face][0]], origin);
@@ -267,7 +272,7 @@ impl Mesh {
             let stretch = within(1).abs() * 2 + 1;
             return (origin, way.map(|x| x / divisor * stretch));
         }
-        // Downwards; how far it is to the target, in such steps; how long the direction is, in such steps.
+        // A step downwards, the number of steps to the target, and the length of the direction in steps.
         let (step, count, stretch) = match within(2) {
             -2 => ([0, 0, -1], within(REACH).abs() + 1, 1 << within(8).abs()),
             -1 => ([within(1), within(1), -1], within(REACH).abs() + 1, 1 << within(8).abs()),
@@ -289,8 +294,8 @@ impl Mesh {
         (plus(target, step, -count), step.map(|x| x * stretch))
     }
 
-    /// `count` rays, half of them aimed at edges and half at vertices, neither on the border of the mesh. One in four then
-    /// passes one ulp beside its target.
+    /// `count` rays: half are aimed at edges, half at vertices, none at the border of the mesh. One in four is then
+    /// moved one ulp off its target.
     pub(crate) fn shots(&self, count: usize, seed: u64) -> Vec<Shot> {
         let mut edges = BTreeMap::<_, Vec<u32>>::new();
         let mut fans = vec![Vec::new(); self.vertices.len()];
@@ -306,7 +311,7 @@ impl Mesh {
         }
         let edges: Vec<_> = edges.into_iter().filter(|(_, faces)| faces.len() == 2).collect();
         let fans: Vec<_> = fans.into_iter().enumerate().filter(|(_, faces)| !faces.is_empty()).collect();
-        assert!(!edges.is_empty() && !fans.is_empty(), "{}: nothing inside", self.name);
+        assert!(!edges.is_empty() && !fans.is_empty(), "{}: no inner edge or vertex", self.name);
 
         let (boxes, reach) = (self.boxes(), self.reach());
         let mut random = Random(seed);
@@ -322,7 +327,7 @@ impl Mesh {
                 (self.vertices[*vertex], Target::Vertex, around)
             };
             let (origin, dir) = self.aim(point, &mut random);
-            assert!(is_aimed(origin, dir, point), "{origin:?} + t {dir:?} passes {point:?}");
+            assert!(is_aimed(origin, dir, point), "{origin:?} + t {dir:?} does not meet {point:?}");
             self.assert_facing(origin, dir);
 
             let zeros = [(); 3].map(|()| if random.below(2) == 0 { 0.0 } else { -0.0 });
@@ -346,7 +351,7 @@ impl Mesh {
         let steepest = ray.dir.abs().max_position();
         let axis = (steepest + 1 + random.below(2)) % 3;
         let x = ray.origin[axis];
-        // Next to zero come subnormal numbers, about which kernels promise nothing.
+        // The neighbours of zero are subnormal, and kernels promise nothing for subnormal numbers.
         let step = self.frame.unit / 1024.0;
         ray.origin[axis] = match (x == 0.0, random.below(2) == 0) {
             (false, true) => x.next_up(),
@@ -368,17 +373,16 @@ impl Mesh {
         self.faces.chunks(8).map(group).collect()
     }
 
-    /// How far from its target a ray can hit anything, along x and along y.
+    /// The greatest distance from the target, along x or y, at which a ray can hit a triangle.
     ///
-    /// All of a height field lies between two heights. Between these, a ray that is nowhere flatter than 45° is no further
-    /// from its target than they are from each other. What lies beyond the margin is not hit by any rounding, which
-    /// moves nothing by more than an ulp or two of the greatest coordinate.
+    /// A height field lies between two heights. A ray that is never flatter than 45° moves sideways by at most their
+    /// difference. Rounding moves a hit by at most an ulp or two of the greatest coordinate; the margin is greater.
     fn reach(&self) -> i64 {
         let heights = || self.vertices.iter().map(|vertex| vertex[2]);
         heights().max().unwrap() - heights().min().unwrap() + 4 * STEP
     }
 
-    /// The groups that a ray through `point` can hit: from inside, all of them.
+    /// The groups that a ray through `point` can hit. From inside these are all groups.
     fn groups(&self, point: Int3, boxes: &[[[i64; 2]; 2]], reach: i64) -> Vec<u32> {
         let near = |group: &[[i64; 2]; 2]| {
             [0, 1].iter().all(|&axis| {
@@ -390,8 +394,8 @@ impl Mesh {
         (0..).zip(boxes).filter(|(_, group)| inside || near(group)).map(|(index, _)| index).collect()
     }
 
-    /// The oracle says the same: of all triangles in reach those around the target are hit, on their boundary, and no
-    /// others. One ulp beside it, at least one is hit.
+    /// Asks the oracle: of the triangles in reach the ray hits those around the target, on their boundary, and no
+    /// others. A ray one ulp off its target hits at least one.
     fn confirm(&self, shot: &Shot) {
         let mut hits = 0;
         for triangle in shot.groups.iter().flat_map(|group| 8 * group..8 * group + 8) {
@@ -403,11 +407,11 @@ impl Mesh {
             }
         }
         let enough = if shot.around.is_empty() { hits > 0 } else { hits == shot.around.len() };
-        assert!(enough, "{}: {:?} hits {hits}, not {:?}", self.name, shot.ray, shot.around);
+        assert!(enough, "{}: {:?} hits {hits} triangles, not {:?}", self.name, shot.ray, shot.around);
     }
 }
 
-/// Puts a vertex into a random triangle, unless a flat triangle would come of it.
+/// Splits a random triangle in three, unless one of them would be too flat.
 fn split(vertices: &mut Vec<Int3>, faces: &mut Vec<[usize; 3]>, random: &mut Random) {
     let chosen = random.below(faces.len());
     let [a, b, c] = faces[chosen];
@@ -435,7 +439,7 @@ fn split(vertices: &mut Vec<Int3>, faces: &mut Vec<[usize; 3]>, random: &mut Ran
     }
 }
 
-/// Position along a Z-shaped curve through the plane.
+/// Position along a Z-order curve through the plane.
 fn along_a_curve([x, y, _]: Int3) -> u64 {
     let [x, y] = [x, y].map(|x| (x + 2 * REACH) as u64);
     (0..26).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()

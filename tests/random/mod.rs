@@ -1,4 +1,4 @@
-//! Reproducible, not good, randomness for tests that need no more.
+//! A small random number generator for tests: the same numbers on every machine, from a seed.
 
 /// `SplitMix64` (Steele, Lea, Flood 2014), from its seed.
 pub(crate) struct Random(pub(crate) u64);

@@ -1,7 +1,7 @@
-//! Everything that a ray through an edge or a vertex can meet on a grid of 3×3×3 points.
+//! All edges and all fans on a grid of 3×3×3 points, and rays that meet them exactly.
 //!
-//! What a kernel says of one triangle does not depend on its neighbours: each triangle is tested once, against all rays,
-//! and the sets of rays that hit are combined for every mesh that the triangle is part of.
+//! The answer of a kernel for one triangle does not depend on its neighbours. So each triangle is tested once, against
+//! all rays. The sets of rays that hit are then combined for every mesh that contains the triangle.
 
 use std::ops::{BitAnd, BitOr, Not};
 
@@ -12,16 +12,16 @@ use rayon::prelude::*;
 use wide::f32x8;
 
 use crate::meshes::{Int3, cross, dot, exactly, is_aimed, minus, plus};
-use crate::{Tallies, describe};
+use crate::{Counts, describe};
 
-/// The planes of the grid along each axis, and how many times its direction a ray starts before its target.
+/// The planes of the grid along each axis, and the `t` at which a ray meets its target.
 struct Grid {
     planes: [[i64; 3]; 3],
     distance: i64,
 }
 
-/// Small numbers, whose products `f32` holds exactly, and ones that make it round. All are multiples of four, so that
-/// quarters of edges are whole numbers too.
+/// A grid of small numbers, whose products `f32` holds exactly, and one whose products are rounded. All numbers are
+/// multiples of four: quarters of edges are then whole numbers too.
 const GRIDS: [Grid; 2] = [
     Grid { planes: [[0, 4, 8]; 3], distance: 2 },
     Grid {
@@ -30,7 +30,7 @@ const GRIDS: [Grid; 2] = [
     },
 ];
 
-/// Where an edge is met, in quarters of its length.
+/// Where rays meet an edge, in quarters of its length.
 const QUARTERS: [i64; 3] = [1, 2, 3];
 
 impl Grid {
@@ -49,7 +49,7 @@ impl Grid {
     }
 }
 
-/// The directions between whole numbers from -3 to 3, each once.
+/// All directions with whole coordinates from -3 to 3. Multiples of another one are left out.
 fn directions() -> Vec<Int3> {
     let all = (0..343).map(|index| [index % 7 - 3, index / 7 % 7 - 3, index / 49 - 3]);
     all.filter(|d| ![2, 3].iter().any(|factor| d.iter().all(|x| x % factor == 0))).collect()
@@ -69,7 +69,7 @@ fn normal([a, b, c]: [Int3; 3]) -> Int3 {
     cross(minus(b, a), minus(c, a))
 }
 
-/// A set of rays. There are 290 directions, and three points on an edge.
+/// A set of rays, one bit each: 290 directions through a vertex, or through each of three points on an edge.
 #[derive(Clone, Copy)]
 struct Rays<const N: usize>([u64; N]);
 
@@ -87,7 +87,7 @@ impl<const N: usize> Rays<N> {
         set
     }
 
-    /// Those that meet the front side of the triangle, and those that meet its back.
+    /// The rays that meet the front of the triangle, and those that meet its back.
     fn facing(corners: [Int3; 3], dirs: impl Iterator<Item = Int3> + Clone) -> [Self; 2] {
         let normal = normal(corners);
         [Self::of(dirs.clone().map(|dir| dot(normal, dir) < 0)), Self::of(dirs.map(|dir| dot(normal, dir) > 0))]
@@ -138,35 +138,35 @@ impl<const N: usize> Not for Rays<N> {
     }
 }
 
-/// Notes which of `rays` hit no triangle and which more than one.
+/// Counts how many of `rays` hit no triangle and how many hit more than one.
 fn judge<const N: usize>(
-    tallies: &mut Tallies,
+    counts: &mut Counts,
     watertight: Claim,
     [rays, none, many]: [Rays<N>; 3],
     example: impl Fn(usize) -> String,
 ) {
     for (claim, broken) in [(watertight, rays & none), (Claim::SingleHit, rays & (none | many))] {
-        let first = || example(broken.first().expect("called for a broken claim"));
-        tallies.of(claim).count(rays.len(), broken.len(), first);
+        let first = || example(broken.first().expect("only called if a ray breaks the claim"));
+        counts.of(claim).add(rays.len(), broken.len(), first);
     }
 }
 
-/// Holds a kernel to its claims on all edges and all fans.
-pub(crate) fn all<K: Kernel<Shape = Triangle>>() -> Tallies {
-    GRIDS.iter().map(|grid| edges::<K>(grid).plus(fans::<K>(grid))).fold(Tallies::default(), Tallies::plus)
+/// Counts how often a kernel breaks each claim, on all edges and all fans.
+pub(crate) fn all<K: Kernel<Shape = Triangle>>() -> Counts {
+    GRIDS.iter().map(|grid| edges::<K>(grid).plus(fans::<K>(grid))).fold(Counts::default(), Counts::plus)
 }
 
-/// What is asked of the edge's triangle with the third vertex `apex`, on either side of the edge.
+/// The triangle of an edge whose third vertex is `point`.
 struct Apex {
     point: Int3,
-    /// With the edge running forwards.
+    /// Rays that meet its front and its back, with the edge running forwards.
     facing: [ThroughEdge; 2],
-    /// For each turn of the vertices; with the edge running forwards, and backwards.
+    /// Rays that hit: with the edge running forwards and backwards, for each rotation of the vertices.
     hitting: [[ThroughEdge; 3]; 2],
 }
 
-/// Every pair of triangles with a common edge, with every turn of their vertices.
-fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Tallies {
+/// Every pair of triangles with a common edge, with every rotation of their vertices.
+fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
     let (points, dirs) = (grid.points(), directions());
     let pairs: Vec<_> = (0..27).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
     let on_edge = |(a, b): (usize, usize)| {
@@ -181,10 +181,10 @@ fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Tallies {
                 .map(|corners| [0, 1, 2].map(|turn| ThroughEdge::hitting::<K>(turned(corners, turn), &packets))),
         });
         let apexes: Vec<_> = apexes.collect();
-        let mut tallies = Tallies::default();
+        let mut counts = Counts::default();
         for left in &apexes {
             for right in &apexes {
-                // The second triangle has the edge the other way around, and so its front where the first has its back.
+                // The edge runs backwards in the second triangle: its front is where the first one has its back.
                 let rays = (left.facing[0] & right.facing[1]) | (left.facing[1] & right.facing[0]);
                 if rays.len() == 0 {
                     continue;
@@ -192,7 +192,7 @@ fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Tallies {
                 for (turn, first) in left.hitting[0].into_iter().enumerate() {
                     for (other_turn, second) in right.hitting[1].into_iter().enumerate() {
                         let outcome = [rays, !(first | second), first & second];
-                        judge(&mut tallies, Claim::EdgeWatertight, outcome, |ray| {
+                        judge(&mut counts, Claim::EdgeWatertight, outcome, |ray| {
                             let corners = [turned([a, b, left.point], turn), turned([b, a, right.point], other_turn)];
                             let [first, second] = [first, second].map(|hits| hits.contains(ray));
                             let [one, two] = corners.map(triangle);
@@ -202,9 +202,9 @@ fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Tallies {
                 }
             }
         }
-        tallies
+        counts
     };
-    pairs.into_par_iter().map(on_edge).reduce(Tallies::default, Tallies::plus)
+    pairs.into_par_iter().map(on_edge).reduce(Counts::default, Counts::plus)
 }
 
 fn edge_rays(grid: &Grid, a: Int3, b: Int3, dirs: &[Int3]) -> Vec<Ray<f32>> {
@@ -212,10 +212,10 @@ fn edge_rays(grid: &Grid, a: Int3, b: Int3, dirs: &[Int3]) -> Vec<Ray<f32>> {
     QUARTERS.iter().flat_map(|&n| dirs.iter().map(move |&dir| grid.ray(plus(a, quarter, n), dir))).collect()
 }
 
-/// Around the middle of the grid, counter-clockwise.
+/// The points around the middle of the grid, counter-clockwise.
 const RING: [[usize; 2]; 8] = [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
 
-/// A triangle of a fan: between the points `from` and `from + gap` of the ring, at these two heights.
+/// A triangle of a fan, between two points of the ring.
 #[derive(Clone, Copy)]
 struct Sector {
     corners: [Int3; 3],
@@ -226,11 +226,11 @@ struct Sector {
 /// All fans around one vertex.
 struct Fans<'a> {
     shots: &'a [Ray<f32>],
-    /// By place on the ring, gap less one, and both heights.
+    /// By first point on the ring, number of steps to the second point minus one, and both heights.
     sectors: Vec<[[[Sector; 3]; 3]; 3]>,
 }
 
-/// What is known of the rays after the first triangles of a fan.
+/// The rays after the first triangles of a fan: which face all of them, hit at least one, hit at least two.
 #[derive(Clone, Copy)]
 struct Outcome {
     facing: [ThroughVertex; 2],
@@ -249,7 +249,7 @@ impl Outcome {
 }
 
 /// Every fan of three to eight triangles around a point in the middle of the grid.
-fn fans<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Tallies {
+fn fans<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
     let dirs = directions();
     let around_hub = |height: usize| {
         let hub = grid.point([1, 1, height]);
@@ -267,31 +267,24 @@ fn fans<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Tallies {
         };
         let at = |from| [1, 2, 3].map(|gap| [0, 1, 2].map(|h| [0, 1, 2].map(|k| sector(from, gap, [h, k]))));
         let fans = Fans { shots: &shots, sectors: (0..8).map(at).collect() };
-        let mut tallies = Tallies::default();
-        // No gap is wider than three, so one of these is the first place that a fan makes use of.
+        let mut counts = Counts::default();
+        // No step is longer than three, so every fan uses one of the first three points.
         for start in 0..3 {
             for height in 0..3 {
                 let every = [!ThroughVertex::NONE; 2];
                 let outcome = Outcome { facing: every, once: Rays::NONE, twice: Rays::NONE };
-                fans.extend([start, height], [start, height], outcome, &mut Vec::new(), &mut tallies);
+                fans.extend([start, height], [start, height], outcome, &mut Vec::new(), &mut counts);
             }
         }
-        tallies
+        counts
     };
-    (0..3).into_par_iter().map(around_hub).reduce(Tallies::default, Tallies::plus)
+    (0..3).into_par_iter().map(around_hub).reduce(Counts::default, Counts::plus)
 }
 
 impl Fans<'_> {
-    /// Adds triangles to `fan`, which has come from `start` to `end` (places on the ring and heights), in all ways that
-    /// close it, and judges the closed fans.
-    fn extend(
-        &self,
-        start: [usize; 2],
-        end: [usize; 2],
-        outcome: Outcome,
-        fan: &mut Vec<Sector>,
-        tallies: &mut Tallies,
-    ) {
+    /// Extends `fan`, which runs from `start` to `end` (point on the ring and height), in all ways that close it, and
+    /// counts the closed fans.
+    fn extend(&self, start: [usize; 2], end: [usize; 2], outcome: Outcome, fan: &mut Vec<Sector>, counts: &mut Counts) {
         for gap in 1..=3 {
             let place = end[0] + gap;
             for height in 0..3 {
@@ -304,14 +297,14 @@ impl Fans<'_> {
                 fan.push(sector);
                 if closes {
                     let rays = outcome.facing[0] | outcome.facing[1];
-                    judge(tallies, Claim::VertexWatertight, [rays, !outcome.once, outcome.twice], |ray| {
+                    judge(counts, Claim::VertexWatertight, [rays, !outcome.once, outcome.twice], |ray| {
                         let triangles = (0..).zip(fan.iter());
                         let triangles = triangles
                             .map(|(index, sector)| (index, triangle(sector.corners), sector.hitting.contains(ray)));
                         describe(&self.shots[ray], &triangles.collect::<Vec<_>>())
                     });
                 } else if outcome.facing.iter().any(|rays| rays.len() > 0) {
-                    self.extend(start, [place, height], outcome, fan, tallies);
+                    self.extend(start, [place, height], outcome, fan, counts);
                 }
                 fan.pop();
             }
@@ -319,8 +312,7 @@ impl Fans<'_> {
     }
 }
 
-/// The rays above are what they are made to be: the oracle sees each of them hit every triangle that it meets from one
-/// side, on its boundary.
+/// Asks the oracle about the rays: each hits every triangle that it is not parallel to, on its boundary.
 pub(crate) fn confirm() {
     let dirs = directions();
     for grid in &GRIDS {

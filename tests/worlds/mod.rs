@@ -1,17 +1,17 @@
-//! Worlds of many instances that make trouble for a tree over them, and rays that make trouble there.
+//! Meshes, geometries and transforms for worlds that are hard for a tree over instances, and rays that are hard there.
 
 use glam::{Affine3, Mat3, Quat, Vec2, Vec3};
 use raylanes::geom::{Aabb, Quadric, Ray, Triangle};
-use raylanes::tracer::{Geometry, Mesh, Part, Placement, SceneSource, World};
+use raylanes::tracer::{Geometry, Mesh, Paint, Part, Placement, SceneSource, World};
 
 use crate::random::Random;
 
-/// In 0..1.
+/// A number in 0..1.
 pub(crate) fn unit(random: &mut Random) -> f32 {
     random.below(1 << 24) as f32 / (1u64 << 24) as f32
 }
 
-/// In -1..1 each.
+/// A point with coordinates in -1..1.
 pub(crate) fn vec3(random: &mut Random) -> Vec3 {
     Vec3::new(unit(random), unit(random), unit(random)) * 2.0 - 1.0
 }
@@ -20,12 +20,12 @@ pub(crate) fn pick<T: Copy>(random: &mut Random, choices: &[T]) -> T {
     choices[random.below(choices.len())]
 }
 
-/// Triangles in one colour.
+/// A mesh of one colour.
 pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh::new(positions, triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap()
 }
 
-/// The faces of the box between `-half` and `half`, which may be flat.
+/// The box from `-half` to `half`, which may be flat, as a mesh.
 pub(crate) fn cuboid(half: Vec3) -> Mesh {
     let corner = |index: u32| Vec3::from_array([0, 1, 2].map(|axis| if index >> axis & 1 == 1 { 1.0 } else { -1.0 }));
     let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -33,7 +33,7 @@ pub(crate) fn cuboid(half: Vec3) -> Mesh {
     mesh((0..8).map(|index| corner(index) * half).collect(), triangles)
 }
 
-/// With corners in -1..1, and none in common.
+/// Triangles with vertices in -1..1. They share no vertex.
 pub(crate) fn some_triangles(random: &mut Random, count: u32) -> Mesh {
     mesh(
         (0..3 * count).map(|_| vec3(random)).collect(),
@@ -50,7 +50,7 @@ pub(crate) fn built_in_mesh(name: &str) -> Mesh {
     }
 }
 
-/// Meshes round, flat and loose, and every kind of quadric.
+/// Meshes: a sphere, boxes, a flat box, loose triangles. Quadrics: one of every kind.
 pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
     let sphere = built_in_mesh("sphere:1e3");
     let abc = Vec3::new(0.5, 0.75, 0.25);
@@ -74,7 +74,12 @@ pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
     meshes.into_iter().map(Geometry::Mesh).chain(quadrics.into_iter().map(Geometry::Quadric)).collect()
 }
 
-/// Turns, mirrors, shears and scales, near and far.
+/// An instance with the geometry's own paint.
+pub(crate) fn place(geometry: usize, object_to_world: Affine3) -> Placement {
+    Placement { geometry: geometry as u32, object_to_world, paint: Paint::Own }
+}
+
+/// A rotation, mirror, shear or scale, near the origin or far from it.
 pub(crate) fn transform(random: &mut Random, reach: f32) -> Affine3 {
     let turn = {
         let v = vec3(random);
@@ -94,18 +99,24 @@ pub(crate) fn transform(random: &mut Random, reach: f32) -> Affine3 {
     Affine3 { matrix3: linear, translation: vec3(random) * reach * far }
 }
 
-/// A point of the object: at a vertex, on an edge or inside of a triangle, with one of its edges; somewhere in a quadric's box.
+/// A vertex, a point on an edge, or a point inside of the triangle.
+pub(crate) fn on_triangle(random: &mut Random, Triangle { v0, v1, v2 }: Triangle) -> Vec3 {
+    match random.below(4) {
+        0 => v0,
+        1 => (v1 + v2) * 0.5,
+        2 => v0 + (v1 - v0) * unit(random),
+        _ => v0 + (v1 - v0) * (0.5 * unit(random)) + (v2 - v0) * (0.5 * unit(random)),
+    }
+}
+
+/// A point of the geometry, and a direction: of a mesh, a point of a triangle and the direction to its second vertex;
+/// of a quadric, a point in its box and an axis as long as the box.
 fn target(random: &mut Random, geometry: &Geometry) -> (Vec3, Vec3) {
     match geometry {
         Geometry::Mesh(mesh) => {
-            let Triangle { v0, v1, v2 } = mesh.triangle(random.below(mesh.len()) as u32);
-            let target = match random.below(4) {
-                0 => v0,
-                1 => (v1 + v2) * 0.5,
-                2 => v0 + (v1 - v0) * unit(random),
-                _ => v0 + (v1 - v0) * (0.5 * unit(random)) + (v2 - v0) * (0.5 * unit(random)),
-            };
-            (target, v1 - target)
+            let triangle = mesh.triangle(random.below(mesh.len()) as u32);
+            let target = on_triangle(random, triangle);
+            (target, triangle.v1 - target)
         }
         Geometry::Quadric(quadric) => {
             let Aabb { lo, hi } = quadric.bounds();
@@ -115,8 +126,8 @@ fn target(random: &mut Random, geometry: &Geometry) -> (Vec3, Vec3) {
     }
 }
 
-/// Rays at the instances: from within, near and very far, along axes and edges, with zeros of both signs, with every kind of
-/// interval; and some that miss everything.
+/// Rays at the instances: from inside, from near and from very far, along axes and edges, with zeros of both signs, and
+/// with every kind of interval. Some miss everything.
 pub(crate) fn rays(world: &World, seed: u64, count: usize) -> Vec<Ray<f32>> {
     let mut random = Random(seed);
     (0..count)

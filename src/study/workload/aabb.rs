@@ -1,13 +1,15 @@
-//! Boxes.
+//! Inputs for slab tests: boxes, and rays at their faces, edges and corners.
 
 use glam::{Mat3, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::{Axis, FailureMap, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at, ray_from};
+use super::{
+    Axis, FailureMap, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at, ray_from, sign, whole,
+};
 use crate::geom::{Aabb, Ray};
 
-/// How near to an edge or a corner rays come, as a share of the box's size.
+/// Distances of rays to an edge or a corner, relative to the size of the box.
 const GAPS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0];
 
 impl Subject for Aabb {
@@ -16,7 +18,7 @@ impl Subject for Aabb {
     const REGIMES: &'static [Regime<Self>] = &[
         Regime {
             name: "box_edge",
-            about: "Rays that cut off an edge: they enter and leave within a short distance of each other.",
+            about: "Rays that cut off an edge of the box. They enter and leave within a short distance.",
             axis: "distance to the edge / size of the box",
             steps: GAPS,
             mesh: false,
@@ -24,7 +26,7 @@ impl Subject for Aabb {
         },
         Regime {
             name: "box_corner",
-            about: "Rays that cut off a corner: they enter and leave within a short distance of each other.",
+            about: "Rays that cut off a corner of the box. They enter and leave within a short distance.",
             axis: "distance to the corner / size of the box",
             steps: GAPS,
             mesh: false,
@@ -32,16 +34,17 @@ impl Subject for Aabb {
         },
         Regime {
             name: "parallel",
-            about: "Rays that start in the plane of a face and run along it: where the slope's inverse overflows, the distance \
-                    of that plane is 0 times infinity.",
-            axis: "slope against the face",
+            about: "Rays that start in the plane of a face and run along it. Where the inverse of the slope overflows, \
+                    the distance to that plane is 0 times infinity.",
+            axis: "slope of the ray against the face",
             steps: &[1.0, 1e-5, 1e-10, 1e-15, 1e-20, 1e-25, 1e-30, 1e-35, 1e-40, 0.0],
             mesh: false,
             sample: |slope, rng| Sample::of(generic_box(rng), rng, |shape, rng| parallel_ray(shape, slope, rng)),
         },
         Regime {
             name: "flat",
-            about: "Boxes that get thinner, as around an axis-parallel triangle; a quarter of the rays run along within them.",
+            about: "Ever thinner boxes, like those around an axis-parallel triangle. A quarter of the rays run inside \
+                    them, parallel to the large faces.",
             axis: "thickness / size of the box",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
             mesh: false,
@@ -61,8 +64,8 @@ impl Subject for Aabb {
         },
         Regime {
             name: "inverted",
-            about: "Boxes that are empty, because on one axis the least plane lies beyond the greatest: every hit is false.",
-            axis: "least beyond greatest / size of the box",
+            about: "Empty boxes: on one axis the lower plane lies beyond the upper one. Every hit is false.",
+            axis: "lower plane beyond the upper one / size of the box",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
             mesh: false,
             sample: |depth, rng| {
@@ -85,7 +88,7 @@ impl Subject for Aabb {
         },
         Regime {
             name: "distance",
-            about: "Rays that come from ever farther away.",
+            about: "Rays that start ever farther away.",
             axis: "distance of the ray's origin / size of the box",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
             mesh: false,
@@ -136,7 +139,7 @@ impl Subject for Aabb {
                 Sample::of(generic_box(rng), rng, |shape, rng| {
                     let axis = rng.random_range(0..3);
                     let mut target = inside(shape, rng);
-                    target[axis] = if rng.random() { shape.lo[axis] } else { shape.hi[axis] };
+                    target[axis] = plane(shape, axis, rng);
                     let units = [Vec3::X, Vec3::Y, Vec3::Z];
                     let plane = Mat3::from_cols(units[(axis + 1) % 3], units[(axis + 2) % 3], units[axis]);
                     grazing_ray(target, plane, angle, distance, rng)
@@ -153,7 +156,7 @@ impl Subject for Aabb {
                 Sample::of(shape, rng, |shape, rng| ray_at(inside_or_past(shape, rng), rng))
             }
             Workload::Edge => {
-                // On whole numbers half of the time, so that rays meet edges and corners exactly.
+                // Half of the boxes are on whole numbers: rays then meet edges and corners exactly.
                 let exact = rng.random_bool(0.5);
                 let lo = in_cube(rng, 8.0);
                 let extent = in_cube(rng, 4.0).abs() + Vec3::splat(0.5);
@@ -182,6 +185,11 @@ fn moved(shape: Aabb, by: Vec3) -> Aabb {
     Aabb { lo: shape.lo + by, hi: shape.hi + by }
 }
 
+/// One of the two planes of the box across this axis.
+fn plane(shape: &Aabb, axis: usize, rng: &mut Pcg64) -> f32 {
+    if rng.random() { shape.lo[axis] } else { shape.hi[axis] }
+}
+
 fn inside(shape: &Aabb, rng: &mut Pcg64) -> Vec3 {
     shape.center() + shape.extent() * in_cube(rng, 0.5)
 }
@@ -191,7 +199,7 @@ fn inside_or_past(shape: &Aabb, rng: &mut Pcg64) -> Vec3 {
     shape.center() + shape.extent() * in_cube(rng, reach)
 }
 
-/// A ray whose part within the box is about `gap` long, near an edge (`fixed = 2`) or a corner (`fixed = 3`).
+/// A ray that is inside the box for a length of about `gap`, near an edge (`fixed = 2`) or a corner (`fixed = 3`).
 fn cutting_ray(shape: &Aabb, fixed: usize, gap: f32, rng: &mut Pcg64) -> Ray<f32> {
     let first = rng.random_range(0..3);
     let mut target = inside(shape, rng);
@@ -202,7 +210,7 @@ fn cutting_ray(shape: &Aabb, fixed: usize, gap: f32, rng: &mut Pcg64) -> Ray<f32
         (target[axis], outward[axis]) =
             if rng.random() { (shape.lo[axis] + inset, -1.0) } else { (shape.hi[axis] - inset, 1.0) };
     }
-    // It enters through one of the planes that meet there and leaves through another, unless it goes through the box.
+    // It enters through one of the planes that meet there, and leaves through another one or through the far side.
     let dir = loop {
         let dir = direction(rng);
         let slopes: Vec<f32> =
@@ -214,34 +222,34 @@ fn cutting_ray(shape: &Aabb, fixed: usize, gap: f32, rng: &mut Pcg64) -> Ray<f32
     ray_from(target - dir * rng.random_range(0.5..4.0), target, rng)
 }
 
-/// A ray that starts exactly in the plane of a face, and runs into the face, rising or falling with this slope.
+/// A ray that starts exactly in the plane of a face and runs towards the face, with this slope up or down.
 fn parallel_ray(shape: &Aabb, slope: f32, rng: &mut Pcg64) -> Ray<f32> {
     let axis = rng.random_range(0..3);
     let mut ray = ray_at(inside(shape, rng), rng);
-    ray.origin[axis] = if rng.random() { shape.lo[axis] } else { shape.hi[axis] };
-    ray.dir[axis] = if rng.random() { slope } else { -slope };
+    ray.origin[axis] = plane(shape, axis, rng);
+    ray.dir[axis] = sign(rng) * slope;
     ray
 }
 
 /// A ray at an edge, at a corner, or along a face or an edge of a box.
 fn edge_ray(shape: &Aabb, exact: bool, rng: &mut Pcg64) -> Ray<f32> {
-    let eighth = |rng: &mut Pcg64| rng.random_range(-16..=16) as f32 / 8.0;
+    let eighth = |rng: &mut Pcg64| whole(rng, 16) / 8.0;
     let fixed = rng.random_range(1..=3);
     let first = rng.random_range(0..3);
     let mut target = shape.center();
     for step in 0..3 {
         let axis = (first + step) % 3;
         target[axis] = if step < fixed {
-            if rng.random() { shape.lo[axis] } else { shape.hi[axis] }
+            plane(shape, axis, rng)
         } else {
             let along = if exact { rng.random_range(1..8) as f32 / 8.0 } else { rng.random() };
             shape.lo[axis] + (shape.hi[axis] - shape.lo[axis]) * along
         };
     }
     let mut dir = if exact { Vec3::new(eighth(rng), eighth(rng), eighth(rng)) } else { in_cube(rng, 2.0) };
-    // In a plane of the box the ray stays there; zeros have both signs.
+    // A ray in a plane of the box stays in it. Zeros have both signs.
     if fixed == 1 || rng.random_bool(0.25) {
-        dir[first] = if rng.random() { 0.0 } else { -0.0 };
+        dir[first] = sign(rng) * 0.0;
     }
     if dir == Vec3::ZERO {
         dir[(first + 1) % 3] = 1.0;

@@ -1,4 +1,4 @@
-//! Transformed shapes.
+//! Inputs for instances: the easy samples of a shape, under transforms that get harder.
 
 use glam::{Affine3, DMat3, Mat3, Vec3};
 use rand::RngExt;
@@ -18,8 +18,8 @@ where
     const REGIMES: &'static [Regime<Self>] = &[
         Regime {
             name: "translation",
-            about: "Shape and ray, turned and moved ever farther from the world's origin: what is rounded there before it is \
-                    subtracted loses its digits.",
+            about: "Shape and ray, rotated and moved ever farther from the world's origin. Code that rounds \
+                    coordinates before it subtracts the translation loses digits.",
             axis: "distance of the shape to the world's origin / its size",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -27,8 +27,8 @@ where
         },
         Regime {
             name: "scale_ratio",
-            about: "Shapes made ever flatter by different scales along their axes, and then turned: the inverse stretches the \
-                    rounding of the ray's origin.",
+            about: "Shapes scaled by ever more different factors along their axes, and then rotated. The inverse \
+                    enlarges the rounding error of the ray's origin.",
             axis: "greatest / least scale",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -41,8 +41,8 @@ where
         },
         Regime {
             name: "shear",
-            about: "Shapes turned, ever more sheared, and turned again: the rounding of the inverse itself turns the ray, even more \
-                    where it is inverted in f32.",
+            about: "Shapes rotated, ever more sheared, and rotated again. The rounding of the inverse turns the ray, \
+                    and it turns the ray more where the inverse is computed in f32.",
             axis: "condition number of the transform",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -61,9 +61,9 @@ where
         format!("instance of {}", S::FAMILY)
     }
 
-    /// The inner shape's sample, stretched, sheared, turned and moved by up to 100 units; the rays are moved along, so
-    /// that they meet what they were aimed at but for rounding. Half of the edge-aimed ones are moved by whole numbers,
-    /// where what met an edge exactly still does.
+    /// The sample of the inner shape, scaled, sheared, rotated and moved by up to 100 units. The rays move with the
+    /// shape, so they meet their targets up to rounding. Half of the edge-aimed samples use transforms of whole
+    /// numbers: a ray that meets an edge exactly then still does.
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
         let inner = S::sample(workload, rng);
         let exact = workload == Workload::Edge && rng.random_bool(0.5);
@@ -72,7 +72,7 @@ where
             let matrix3 = Mat3::from_cols(columns[0], columns[1], columns[2]) + Mat3::IDENTITY;
             let transform = Affine3 { matrix3, translation: in_cube(rng, 100.0) };
             let transform = if exact { rounded(transform) } else { transform };
-            // Not nearly singular: that regime has a study of its own.
+            // Nearly singular transforms have regimes of their own.
             if transform.matrix3.determinant().abs() > 0.1 {
                 break transform;
             }
@@ -81,8 +81,8 @@ where
     }
 }
 
-/// Shape and rays of a sample, taken to the world: the rays to `f32`, so that they meet what they were aimed at but for
-/// rounding.
+/// Shape and rays of a sample, transformed to the world. The rays are rounded to `f32`, so they meet their targets up
+/// to rounding.
 fn moved<S>(inner: Sample<S>, object_to_world: Affine3) -> Sample<Placed<S>> {
     let place = |ray: &Ray<f32>| Ray {
         origin: object_to_world.transform_point3(ray.origin),
@@ -96,15 +96,15 @@ fn moved<S>(inner: Sample<S>, object_to_world: Affine3) -> Sample<Placed<S>> {
     }
 }
 
-/// An easy sample, transformed.
+/// An easy sample under this transform.
 fn placed<S: Subject>(matrix3: Mat3, translation: Vec3, rng: &mut Pcg64) -> Sample<Placed<S>> {
     moved(S::easy(rng), Affine3 { matrix3, translation })
 }
 
-/// A shear of this condition number between two rotations, so that no axis of either space is that of the shear.
+/// A shear of this condition number between two rotations: the shear is along no axis of either space.
 fn sheared(condition: f32, rng: &mut Pcg64) -> Mat3 {
     let mut shear = DMat3::IDENTITY;
-    // The singular values are 1, and those of a shear in the plane: s and 1/s where the factor is s - 1/s.
+    // The singular values are 1, s and 1/s, if the factor of the shear is s - 1/s.
     let greatest = f64::from(condition).sqrt();
     shear.y_axis.x = greatest - 1.0 / greatest;
     (frame(rng).as_dmat3() * shear * frame(rng).as_dmat3()).as_mat3()

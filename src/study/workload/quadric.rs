@@ -1,15 +1,16 @@
-//! Quadrics.
+//! Inputs for quadrics: surfaces of second degree, and rays at them.
 
 use glam::{Mat3, Vec2, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::{
-    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube, ray_from, steep,
+    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube, in_disc, ray_from,
+    sign, steep, whole,
 };
 use crate::geom::{Aabb, Quadric, Ray};
 
-/// Radius of the huge sphere: its square is exact, so that nothing is lost before the ray comes.
+/// Radius of the huge sphere. Its square is exact in `f32`, so the coefficients are not rounded.
 const HUGE: f32 = 8192.0;
 
 impl Subject for Quadric {
@@ -18,7 +19,8 @@ impl Subject for Quadric {
     const REGIMES: &'static [Regime<Self>] = &[
         Regime {
             name: "afar",
-            about: "Spheres seen from ever farther away: the discriminant is a small difference of the distance's square.",
+            about: "Spheres seen from ever farther away. The discriminant is a small difference: the square of the \
+                    distance cancels.",
             axis: "distance of the ray's origin / radius",
             steps: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -32,8 +34,8 @@ impl Subject for Quadric {
         },
         Regime {
             name: "near_huge",
-            about: "Rays that start ever closer above a sphere of radius 8192 and hit it nearby, or leave it: the constant \
-                    cancels.",
+            about: "Rays that start ever closer above a sphere of radius 8192, and hit it nearby or leave it. The \
+                    constant cancels.",
             axis: "height of the ray's origin",
             steps: &[1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4],
             mesh: false,
@@ -47,8 +49,8 @@ impl Subject for Quadric {
         },
         Regime {
             name: "inside",
-            about: "Rays from within a sphere in all directions, from its centre to ever closer below its surface: hits at next to \
-                    no distance must be told from those behind the ray.",
+            about: "Rays from inside a sphere in all directions, from its centre to just below its surface. Hits at \
+                    nearly zero distance must be told from hits behind the ray.",
             axis: "depth of the ray's origin / radius",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
             mesh: false,
@@ -62,14 +64,15 @@ impl Subject for Quadric {
         },
         Regime {
             name: "tangent",
-            about: "Rays that pass the silhouette of a sphere ever more closely, on both sides: the discriminant is nearly zero.",
+            about: "Rays that pass ever closer to the silhouette of a sphere, on both sides. The discriminant is \
+                    nearly zero.",
             axis: "distance of the ray from the silhouette / radius",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
             mesh: false,
             sample: |gap, rng| {
                 let radius = rng.random_range(0.5..2.0);
                 Sample::of(Quadric::sphere(radius), rng, |_, rng| {
-                    let side = if rng.random() { gap } else { -gap };
+                    let side = sign(rng) * gap;
                     let distance = rng.random_range(0.5..4.0);
                     passing_ray(radius, 1.0 + side * rng.random_range(0.1..1.0), distance, rng)
                 })
@@ -77,8 +80,8 @@ impl Subject for Quadric {
         },
         Regime {
             name: "parabolic",
-            about: "Rays along the inside or the outside of a paraboloid, ever more nearly parallel to its axis, and at last quite \
-                    so: the coefficient of t² goes to zero, and one root to infinity.",
+            about: "Rays at the inside or the outside of a paraboloid, ever closer to parallel to its axis, in the \
+                    last step exactly parallel. The coefficient of t² goes to zero, and one root goes to infinity.",
             axis: "angle between ray and axis, rad",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
             mesh: false,
@@ -92,8 +95,8 @@ impl Subject for Quadric {
         },
         Regime {
             name: "generatrix",
-            about: "Rays through a cone, ever more nearly parallel to a line that lies within its surface, on the other side: the \
-                    coefficient of t² goes to zero by cancellation.",
+            about: "Rays through a cone, ever closer to parallel to a generatrix on the other side (a straight line of \
+                    the surface). The coefficient of t² cancels to zero.",
             axis: "angle between ray and generatrix, rad",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
             mesh: false,
@@ -107,16 +110,15 @@ impl Subject for Quadric {
                             break (along, at);
                         }
                     };
-                    let side = if rng.random() { 1.0 } else { -1.0 };
-                    let dir = on_cone(along, 1.0).normalize() * side + direction(rng) * angle;
+                    let dir = on_cone(along, 1.0).normalize() * sign(rng) + direction(rng) * angle;
                     Ray::new(on_cone(at, rng.random_range(0.1..0.9)) - dir * rng.random_range(0.5..4.0), dir)
                 })
             },
         },
         Regime {
             name: "rim",
-            about: "Rays from within a cylinder, a cone or a paraboloid that leave it ever more closely below the rim, where its box \
-                    cuts, or above.",
+            about: "Rays from inside a cylinder, a cone or a paraboloid. They leave ever closer to the rim, where the \
+                    box clips the surface, below it or above it.",
             axis: "distance of the ray from the rim / height",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
             mesh: false,
@@ -128,7 +130,7 @@ impl Subject for Quadric {
                     _ => Quadric::paraboloid(radius, height),
                 };
                 Sample::of(shape, rng, |_, rng| {
-                    let side = if rng.random() { gap } else { -gap };
+                    let side = sign(rng) * gap;
                     let target = (on_circle(rng) * radius).extend(height * (1.0 + side * rng.random_range(0.1..1.0)));
                     let origin = (in_cube(rng, 0.125) * radius).with_z(height * rng.random_range(0.5..0.875));
                     ray_from(origin, target, rng)
@@ -137,10 +139,10 @@ impl Subject for Quadric {
         },
         Regime {
             name: "offset",
-            about: "Spheres that are moved not by a transform but by their coefficients, ever farther from the origin of their \
-                    coordinates: the constant swallows the radius.",
-            axis: "distance of the sphere from its origin of coordinates / radius",
-            // From 1e5 on an ulp of the centre's coordinates is a hundredth of the sphere.
+            about: "Spheres moved by their coefficients instead of a transform, ever farther from the origin. The \
+                    radius is lost in the constant.",
+            axis: "distance of the sphere to the origin of its coordinates / radius",
+            // It ends before 1e5, where an ulp of the centre's coordinates is a hundredth of the sphere.
             steps: &[1.0, 3.0, 1e1, 3e1, 1e2, 3e2, 1e3, 3e3, 1e4],
             mesh: false,
             sample: |offset, rng| {
@@ -153,7 +155,8 @@ impl Subject for Quadric {
         },
         Regime {
             name: "scale",
-            about: "Quadric and ray together, from tiny to huge: the discriminant, of the fourth degree, under- and overflows.",
+            about: "Quadric and ray together, from tiny to huge. The discriminant has degree four: it underflows and \
+                    overflows.",
             axis: "size of quadric and distance",
             steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
             mesh: false,
@@ -209,17 +212,12 @@ impl Subject for Quadric {
     }
 }
 
-/// A random direction in the plane, of unit length.
+/// A direction in the plane, of unit length.
 fn on_circle(rng: &mut Pcg64) -> Vec2 {
-    loop {
-        let [x, y]: [f32; 2] = [0; 2].map(|_| rng.random_range(-1.0..1.0));
-        if (0.01..1.0).contains(&(x * x + y * y)) {
-            return Vec2::new(x, y).normalize();
-        }
-    }
+    in_disc(rng).normalize()
 }
 
-/// Any of the kinds with a name, or an ellipsoid turned by its coefficients, of about this size.
+/// Any of the named kinds, or an ellipsoid rotated by its coefficients, of about this size.
 fn any_kind(size: f32, rng: &mut Pcg64) -> Quadric {
     let axes = Vec3::from([0; 3].map(|_| size * rng.random_range(0.5..1.5)));
     match rng.random_range(0..9) {
@@ -246,7 +244,7 @@ fn any_kind(size: f32, rng: &mut Pcg64) -> Quadric {
     }
 }
 
-/// A quadric of this size and rays into its box or past it, from a few sizes away.
+/// A quadric of about this size, and rays into its box or past it, from a few sizes away.
 fn generic(size: f32, rng: &mut Pcg64) -> Sample<Quadric> {
     Sample::of(any_kind(size, rng), rng, |shape, rng| {
         let reach = if rng.random_bool(0.6) { 0.5 } else { 1.0 };
@@ -255,7 +253,8 @@ fn generic(size: f32, rng: &mut Pcg64) -> Sample<Quadric> {
     })
 }
 
-/// A point that is about this high above a sphere, in spite of its rounding where that is possible, and the plane below it.
+/// A point at this height above a sphere, and the tangent plane below it. Rounding may change the height by up to a
+/// factor of two, and by more if 64 attempts find no better point.
 fn above(radius: f32, height: f32, rng: &mut Pcg64) -> (Vec3, Mat3) {
     let mut attempts = 0;
     loop {
@@ -269,7 +268,7 @@ fn above(radius: f32, height: f32, rng: &mut Pcg64) -> (Vec3, Mat3) {
     }
 }
 
-/// A ray that passes the middle of a sphere by `share` of its radius, from `distance` before it comes closest.
+/// A ray that passes the centre of a sphere at `share` of its radius. It starts `distance` before its closest point.
 fn passing_ray(radius: f32, share: f32, distance: f32, rng: &mut Pcg64) -> Ray<f32> {
     let plane = frame(rng);
     let dir = plane.x_axis;
@@ -277,16 +276,18 @@ fn passing_ray(radius: f32, share: f32, distance: f32, rng: &mut Pcg64) -> Ray<f
     Ray::new(closest - dir * distance, dir * (distance / rng.random_range(0.5..8.0)))
 }
 
-/// A ray at the wall of a paraboloid, from below or from above, that makes this angle with the axis.
+/// A ray at a point of a paraboloid, from below or from above, at this angle to the axis.
 fn parabolic_ray([radius, height]: [f32; 2], angle: f32, distance: f32, rng: &mut Pcg64) -> Ray<f32> {
     let share = rng.random_range(0.1..0.9);
     let target = (on_circle(rng) * (radius * share)).extend(height * share * share);
-    let dir = (on_circle(rng) * angle).extend(if rng.random() { 1.0 } else { -1.0 });
+    let dir = (on_circle(rng) * angle).extend(sign(rng));
     Ray::new(target - dir * distance, dir * (distance / rng.random_range(0.5..8.0)))
 }
 
-/// A sphere of about unit size at this distance from the origin, by its coefficients; its centre; its radius. What the
-/// coefficients mean once they are rounded is a sphere too, often of another size: one with a proper radius is chosen.
+/// A sphere of about unit size at this distance from the origin, moved by its coefficients; its centre; its radius.
+///
+/// Rounded coefficients describe a sphere too, often of another size. The function tries again until the radius is
+/// about 1.
 fn moved_sphere(offset: f32, rng: &mut Pcg64) -> (Quadric, Vec3, f32) {
     loop {
         let center = direction(rng) * offset;
@@ -304,15 +305,13 @@ fn moved_sphere(offset: f32, rng: &mut Pcg64) -> (Quadric, Vec3, f32) {
     }
 }
 
-/// Sides of right triangles, the longest last.
+/// Sides of right triangles in whole numbers, the longest last.
 const TRIPLES: [[i32; 3]; 4] = [[3, 4, 5], [5, 12, 13], [8, 15, 17], [7, 24, 25]];
 
-/// A quadric through a point of whole coordinates, and rays whose answer hangs on an equality there: they are tangent, or
+/// A quadric through a point with whole coordinates, and rays that meet a boundary exactly there: they are tangent, or
 /// meet a plane of the box, an apex, or an end of their interval.
 fn exact_boundary(rng: &mut Pcg64) -> Sample<Quadric> {
-    let whole = |rng: &mut Pcg64, range: i32| rng.random_range(-range..=range) as f32;
     let [short, other, long] = TRIPLES[rng.random_range(0..TRIPLES.len())].map(|side| side as f32);
-    let sign = |rng: &mut Pcg64| if rng.random() { 1.0 } else { -1.0 };
     let on_rim = Vec2::new(short * sign(rng), other * sign(rng));
     let height = [1.0, 2.0, 4.0, 8.0][rng.random_range(0..4)];
     let kind = rng.random_range(0..6);
@@ -343,7 +342,7 @@ fn exact_boundary(rng: &mut Pcg64) -> Sample<Quadric> {
     })
 }
 
-/// The same in any position, where the answer nearly hangs on an equality.
+/// The same in any position: rays that meet a boundary up to rounding.
 fn free_boundary(rng: &mut Pcg64) -> Sample<Quadric> {
     let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
     let kind = rng.random_range(0..5);

@@ -1,15 +1,15 @@
-//! Triangles, alone and in meshes.
+//! Inputs for triangle tests: single triangles and small meshes, and rays at them.
 //!
-//! All triangles of a mesh face its rays the same way. At a silhouette, where a front side meets a back side, a ray may
-//! pass beside both, and what it then reports is no leak.
+//! All triangles of a mesh face its rays the same way. At a silhouette, where a front meets a back, a ray may pass both
+//! triangles, and a miss there is no leak.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::{
     Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray, in_cube,
-    ray_at, ray_from, steep,
+    in_square, ray_at, ray_from, sign, steep, whole,
 };
 use crate::geom::{Ray, Triangle};
 
@@ -19,7 +19,7 @@ impl Subject for Triangle {
     const REGIMES: &'static [Regime<Self>] = &[
         Regime {
             name: "grazing",
-            about: "Rays that make an ever smaller angle with the triangle: the determinant is a small difference of large \
+            about: "Rays at an ever smaller angle to the triangle. The determinant is a small difference of large \
                     numbers.",
             axis: "angle between ray and triangle, rad",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
@@ -34,7 +34,7 @@ impl Subject for Triangle {
         },
         Regime {
             name: "sliver",
-            about: "Triangles that get ever thinner: normal and determinant cancel.",
+            about: "Ever thinner triangles. Normal and determinant cancel.",
             axis: "length / height of the triangle",
             steps: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -47,8 +47,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "offset",
-            about: "Triangle and ray together, ever farther from the world's origin: what is prepared in world coordinates \
-                    loses its digits.",
+            about: "Triangle and ray together, ever farther from the world's origin. Data prepared in world \
+                    coordinates loses digits.",
             axis: "distance to the world's origin / size of the triangle",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -60,7 +60,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "distance",
-            about: "Rays that come from ever farther away: the difference of vertex and origin swallows the triangle.",
+            about: "Rays that start ever farther away. In the difference of vertex and origin, the triangle is lost to \
+                    rounding.",
             axis: "distance of the ray's origin / size of the triangle",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
             mesh: false,
@@ -74,7 +75,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "ground",
-            about: "Rays near the middle of an ever larger triangle: what is computed from its far vertices loses the near hit.",
+            about: "Rays near the middle of an ever larger triangle. Figures computed from its far vertices lose the \
+                    near hit.",
             axis: "size of the triangle / distance of the hit",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             mesh: false,
@@ -83,14 +85,14 @@ impl Subject for Triangle {
                 let middle = in_cube(rng, 1.0);
                 let shape = moved(&regular(plane, size, rng), middle);
                 Sample::of(shape, rng, |_, rng| {
-                    let [x, y]: [f32; 2] = [0; 2].map(|_| rng.random_range(-1.0..1.0));
+                    let Vec2 { x, y } = in_square(rng, 1.0);
                     steep_ray(middle + plane.x_axis * x + plane.y_axis * y, plane, rng)
                 })
             },
         },
         Regime {
             name: "scale",
-            about: "Triangle and ray together, from tiny to huge: determinants under- and overflow.",
+            about: "Triangle and ray together, from tiny to huge. Determinants underflow and overflow.",
             axis: "size of triangle and distance",
             steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
             mesh: false,
@@ -106,8 +108,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "shared_edge",
-            about: "Rays that come ever nearer to the edge of two triangles, and at last meet it as exactly as rounding allows: \
-                    half of the last ones, on a grid, quite exactly.",
+            about: "Rays aimed ever closer to an edge of two triangles. The last step hits it exactly (on a grid) or \
+                    to the last bit.",
             axis: "distance to the edge / size of the triangle",
             steps: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0],
             mesh: true,
@@ -115,8 +117,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "vertex_fan",
-            about: "Rays through the vertex in the middle of a fan of ever more triangles; on a grid, where some of them are, they \
-                    meet it exactly.",
+            about: "Rays through the middle vertex of a fan of ever more triangles. Some fans are on a grid, where \
+                    rays meet the vertex exactly.",
             axis: "triangles around the vertex",
             steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0],
             mesh: true,
@@ -124,8 +126,8 @@ impl Subject for Triangle {
         },
         Regime {
             name: "closed_mesh",
-            about: "Rays from within a closed mesh through its edges and vertices; the mesh moves ever farther from the world's \
-                    origin.",
+            about: "Rays from inside a closed mesh through its edges and vertices. The mesh moves ever farther from \
+                    the world's origin.",
             axis: "distance to the world's origin / size of the mesh",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
             mesh: true,
@@ -185,7 +187,7 @@ fn moved(shape: &Triangle, by: Vec3) -> Triangle {
     map(shape, |vertex| vertex + by)
 }
 
-/// The same triangle, beginning with a random vertex: no edge is always the one between `v1` and `v2`.
+/// The same triangle, starting with a random vertex: each edge can be the one between `v1` and `v2`.
 fn turned(Triangle { v0, v1, v2 }: Triangle, rng: &mut Pcg64) -> Triangle {
     match rng.random_range(0..3) {
         0 => Triangle { v0, v1, v2 },
@@ -203,14 +205,14 @@ fn free(rng: &mut Pcg64) -> Triangle {
 /// A nearly equilateral triangle around the world's origin, in the plane of `x` and `y`.
 fn regular(plane: Mat3, size: f32, rng: &mut Pcg64) -> Triangle {
     let corner = |x: f32, y: f32, rng: &mut Pcg64| {
-        let [dx, dy]: [f32; 2] = [0; 2].map(|_| rng.random_range(-0.25..0.25));
-        (plane.x_axis * (x + dx) + plane.y_axis * (y + dy)) * size
+        let shift = in_square(rng, 0.25);
+        (plane.x_axis * (x + shift.x) + plane.y_axis * (y + shift.y)) * size
     };
     let (v0, v1, v2) = (corner(1.0, 0.0, rng), corner(-0.5, 0.875, rng), corner(-0.5, -0.875, rng));
     Triangle { v0, v1, v2 }
 }
 
-/// A triangle about one unit long, in the plane of `x` and `y`, whose third vertex is this much nearer to its longest edge.
+/// A triangle in the plane of `x` and `y`, about one unit long. `aspect` is its length by its height.
 fn sliver(plane: Mat3, aspect: f32, rng: &mut Pcg64) -> Triangle {
     let length = rng.random_range(0.5..2.0);
     let v0 = in_cube(rng, 1.0);
@@ -232,30 +234,30 @@ fn inside_or_past(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
     shape.point(u, v)
 }
 
-/// The triangles around `hub`, counter-clockwise as `rim` is.
+/// The triangles between `hub` and the points of `rim`, in the order of `rim`.
 fn fan(hub: Vec3, rim: &[Vec3], rng: &mut Pcg64) -> Vec<Triangle> {
     let next = |index: usize| rim[(index + 1) % rim.len()];
     (0..rim.len()).map(|index| turned(Triangle { v0: hub, v1: rim[index], v2: next(index) }, rng)).collect()
 }
 
-/// Directions of the rim of eight triangles, in units that keep whole numbers whole.
+/// Directions to the rim of a fan of eight triangles, in whole numbers.
 const COMPASS: [[f32; 2]; 8] =
     [[4.0, 0.0], [3.0, 3.0], [0.0, 4.0], [-3.0, 3.0], [-4.0, 0.0], [-3.0, -3.0], [0.0, -4.0], [3.0, -3.0]];
 
-/// A ray at `target` that comes down on the plane of `x` and `y` from a few units away, at an angle of more than 0.3 rad.
+/// A ray at `target` from a few units away, at more than 0.3 rad to the plane of `x` and `y`.
 fn steep_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
     ray_from(target + steep(plane, rng) * rng.random_range(0.5..4.0), target, rng)
 }
 
-/// A ray at `target` that comes down on the plane of `x` and `y` within half a unit of `z`: steeper than any triangle of
-/// the meshes.
+/// A ray at `target` from a few units away, off `z` by at most half a unit in `x` and in `y`. It is steeper than every
+/// triangle of the meshes.
 fn upright_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
-    let [x, y]: [f32; 2] = [0; 2].map(|_| rng.random_range(-0.5..0.5));
+    let Vec2 { x, y } = in_square(rng, 0.5);
     let away = plane.x_axis * x + plane.y_axis * y + plane.z_axis;
     ray_from(target + away * rng.random_range(0.5..4.0), target, rng)
 }
 
-/// A fan in general position. The slopes stay below those of the rays.
+/// A fan of eight triangles in general position. They are less steep than the rays.
 fn free_fan(rng: &mut Pcg64) -> Sample<Triangle> {
     let jitter = |[x, y]: [f32; 2], rng: &mut Pcg64| Vec3::new(x * 0.25, y * 0.25, 0.0) + in_cube(rng, 0.1);
     let hub = in_cube(rng, 0.1);
@@ -268,43 +270,39 @@ fn free_fan(rng: &mut Pcg64) -> Sample<Triangle> {
     Sample { rays: rays.collect(), shapes: fan(hub, &rim, rng) }
 }
 
-/// What the rays of [`grid_fan`] meet.
+/// What the rays of [`grid_fan`] are aimed at.
 #[derive(Clone, Copy, PartialEq)]
 enum Aim {
     Edges,
     EdgesAndHub,
 }
 
-fn whole(rng: &mut Pcg64, range: i32) -> f32 {
-    rng.random_range(-range..=range) as f32
-}
-
-/// Where the coordinates of a mesh, and the directions of its rays, have few digits, so that a ray can be built that meets
-/// a point of it exactly.
+/// A grid on which the coordinates of a mesh and the directions of its rays have few digits. A ray can then meet a
+/// point of the mesh exactly.
 #[derive(Clone, Copy)]
 struct Grid {
-    /// How many steps there are to a unit of length.
+    /// Steps per unit of length.
     steps: i32,
-    /// How many there are to a unit of a ray's slope.
+    /// Steps per unit of a ray's slope.
     slopes: i32,
 }
 
 impl Grid {
-    /// Whole numbers, on which most arithmetic is exact.
+    /// Whole numbers. Most arithmetic on them is exact.
     const COARSE: Self = Self { steps: 1, slopes: 16 };
-    /// As many digits as leave the ray exact; even `f64` has to round a product of three.
+    /// As many digits as possible with an exact ray. Even `f64` must round a product of three.
     const FINE: Self = Self { steps: 4096, slopes: 131_072 };
 
     fn any(rng: &mut Pcg64) -> Self {
         if rng.random() { Self::COARSE } else { Self::FINE }
     }
 
-    /// Somewhere within `range` units of the origin.
+    /// A point of the grid with coordinates up to `range` units.
     fn point(self, range: i32, rng: &mut Pcg64) -> Vec3 {
         Vec3::from([0; 3].map(|_| whole(rng, range * self.steps))) / self.steps as f32
     }
 
-    /// A ray that meets `target` exactly, coming down on the plane of `x` and `y`.
+    /// A ray that meets `target` exactly, from the side of positive `z`.
     fn ray(self, target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
         let slope = |rng: &mut Pcg64| whole(rng, self.slopes / 2) / self.slopes as f32;
         let dir = Vec3::new(slope(rng), slope(rng), -1.0);
@@ -312,10 +310,10 @@ impl Grid {
     }
 }
 
-/// Coordinates in another order, and mirrored: exact, and no axis is always the steep one.
+/// The sample with its axes exchanged and mirrored, which is exact: each axis can be the steep one.
 fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
     let first = rng.random_range(0..3);
-    let signs = [0; 3].map(|_| if rng.random() { 1.0 } else { -1.0 });
+    let signs = [0; 3].map(|_| sign(rng));
     let change = |v: Vec3| Vec3::from([0, 1, 2].map(|axis| v[(first + axis) % 3] * signs[axis]));
     Sample {
         shapes: sample.shapes.iter().map(|shape| map(shape, change)).collect(),
@@ -323,7 +321,7 @@ fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
     }
 }
 
-/// A fan on a grid, and rays that meet its spokes exactly, and its hub.
+/// A fan on a grid, and rays that meet its spokes, and its hub if `aim` says so, exactly.
 fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
     let grid = Grid::any(rng);
     let offset = Grid::COARSE.point(16, rng);
@@ -331,7 +329,7 @@ fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
     let rim = COMPASS.map(|[x, y]| offset + Vec3::new(4.0 * x, 4.0 * y, 0.0) + grid.point(2, rng));
     let rays = (0..RAYS_PER_SAMPLE).map(|_| {
         let spoke = rim[rng.random_range(0..8)];
-        // Eighths have three more digits: f32 holds them, and those of the ray built on them.
+        // Eighths need three more digits, which f32 holds, also for the ray.
         let at_hub = aim == Aim::EdgesAndHub && rng.random_bool(0.2);
         let along = if at_hub { 0.0 } else { rng.random_range(1..8) as f32 / 8.0 };
         grid.ray(hub + (spoke - hub) * along, rng)
@@ -340,7 +338,7 @@ fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
     shuffled(sample, rng)
 }
 
-/// Two triangles that share an edge, and rays so near to it.
+/// Two triangles that share an edge, and rays at the relative distance `gap` to the edge.
 fn hinge(gap: f32, rng: &mut Pcg64) -> Sample<Triangle> {
     let plane = frame(rng);
     let corner = |x: f32, y: f32, rng: &mut Pcg64| plane * (Vec3::new(x, y, 0.0) + in_cube(rng, 0.2));
@@ -356,9 +354,9 @@ fn hinge(gap: f32, rng: &mut Pcg64) -> Sample<Triangle> {
     Sample { rays, shapes: shapes.map(|shape| turned(shape, rng)).to_vec() }
 }
 
-/// So many triangles around a vertex, and rays through it.
+/// A fan of `triangles` triangles, and rays through its middle vertex.
 fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
-    // Around a square, since that needs no sine.
+    // Around a square: no sine is needed.
     let half = triangles as f32 / 8.0;
     let on_square = |index: usize| {
         let (side, along) = (index * 4 / triangles, (index * 4 % triangles) as f32 / 4.0);
@@ -369,7 +367,7 @@ fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
             _ => [along - half, -half],
         }
     };
-    // Fewer where there are many triangles: each of them meets such a ray exactly, which the oracle's filter cannot decide.
+    // Fewer for many triangles: such a ray meets each of them exactly, and the oracle's filter cannot decide that.
     if rng.random_bool((8.0 / triangles as f64).min(0.5)) {
         let grid = Grid::any(rng);
         let offset = Grid::COARSE.point(16, rng);
@@ -383,7 +381,7 @@ fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
         return shuffled(sample, rng);
     }
     let plane = frame(rng);
-    // Less than the spacing of the rim, whose slopes would rise above those of the rays.
+    // Less than the spacing of the rim; more would make triangles steeper than the rays.
     let jitter = 1.0 / triangles as f32;
     let hub = plane * in_cube(rng, 0.1);
     let rim: Vec<Vec3> = (0..triangles)
@@ -394,7 +392,7 @@ fn vertex_fan(triangles: usize, rng: &mut Pcg64) -> Sample<Triangle> {
     Sample { rays, shapes: fan(hub, &rim, rng) }
 }
 
-/// Twenty triangles around the rays' origins: an icosahedron with its vertices moved in and out.
+/// A closed mesh of twenty triangles around the origins of the rays: an icosahedron with its vertices moved in and out.
 fn closed_mesh(offset: f32, rng: &mut Pcg64) -> Sample<Triangle> {
     let plane = frame(rng);
     let middle = direction(rng) * offset;
@@ -432,7 +430,7 @@ const ICOSAHEDRON: [[f32; 3]; 12] = [
     [0.0, -1.0, -PHI],
 ];
 
-/// Counter-clockwise as seen from outside.
+/// The triangles of [`ICOSAHEDRON`], counter-clockwise as seen from outside.
 const FACES: [[usize; 3]; 20] = [
     [0, 1, 2],
     [0, 2, 4],
@@ -461,7 +459,7 @@ mod tests {
     use super::*;
     use crate::study::workload::rng;
 
-    /// In `f64`, which has digits to spare for such coarse meshes.
+    /// Computed in `f64`, which is precise enough for such coarse meshes.
     #[test]
     fn meshes_face_their_rays_the_same_way() {
         let mut checked = 0;
@@ -474,7 +472,7 @@ mod tests {
                     for ray in &sample.rays {
                         let side = |shape: &Triangle| {
                             let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
-                            // Where rays start within the mesh, they face its triangles by their origins.
+                            // Rays that start inside the mesh: the side of the origin counts.
                             let normal = (v1 - v0).cross(v2 - v0);
                             let sight = if regime.name == "closed_mesh" {
                                 v0 - ray.origin.as_dvec3()
