@@ -114,7 +114,7 @@ fn figures(row: &AccuracyRow) -> String {
         mesh_hits,
         leak_per_million,
         single_hits,
-        double_per_million,
+        double_hit_per_million,
         agreed_hits,
         t_ulp_p50,
         t_ulp_p99,
@@ -134,7 +134,7 @@ fn figures(row: &AccuracyRow) -> String {
     rate("false_miss", false_miss_per_million, exact_hits);
     rate("false_hit", false_hit_per_million, exact_misses);
     rate("leak", leak_per_million, mesh_hits);
-    rate("double_hit", double_per_million, single_hits);
+    rate("double_hit", double_hit_per_million, single_hits);
     if boundary_none + boundary_one + boundary_many > 0 {
         write!(text, ", boundary none {boundary_none} one {boundary_one} many {boundary_many}").unwrap();
     }
