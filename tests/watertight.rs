@@ -99,7 +99,7 @@ fn main() -> ExitCode {
     let mut tests = Tests { meshes: Arc::new(LazyLock::new(meshes)), trials: Vec::new() };
     registry::triangles(&mut tests);
     tests.trials.push(harness::test("rays_of_the_small_grid_meet_their_targets_exactly", small_grid::confirm));
-    harness::run(vec![tests.trials], |ids| registry::triangles(ids))
+    harness::run(vec![tests.trials], registry::triangles)
 }
 
 /// Checks that every ray keeps the claims of the kernel, and that some ray breaks each claim that it does not make.
@@ -118,7 +118,7 @@ fn hold_to_claims<K: Kernel<Shape = Triangle>>(meshes: &[(Mesh, Vec<Shot>)]) -> 
                 ));
             }
             (false, None) => {
-                failures.push(format!("{id} does not claim to be {name}, but none of {rays} rays breaks it"))
+                failures.push(format!("{id} does not claim to be {name}, but none of {rays} rays breaks it"));
             }
             _ => {}
         }

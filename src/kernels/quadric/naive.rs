@@ -2,8 +2,8 @@
 //!
 //! **Source:** A. S. Glassner (ed.), "An Introduction to Ray Tracing", 1989, chapter 2 (E. Haines).
 //!
-//! **Idea:** put the ray into the surface's equation. The result is `a·t² + b·t + c = 0`, with the roots `(-b ± √(b²
-//! - 4ac)) / 2a`.
+//! **Idea:** put the ray into the surface's equation. The result is `a·t² + b·t + c = 0`, with the roots
+//! `(-b ± √(b² - 4ac)) / 2a`.
 //!
 //! **Differs from the source:** no early return, because a packet cannot do that. The box limits the roots.
 //!
