@@ -3,7 +3,7 @@
 //!
 //! In a single mesh, `stream` shares more node visits and is 1.2 to 1.8 times as fast. Packets serve scenes with
 //! instances, where eight rays enter an instance together, and callers that bring eight rays. With single rays instead,
-//! a forest of instances was traced at 0.58 to 0.83 times the speed, and instances of quadrics at 0.30 to 0.52 times.
+//! a forest of instances was traced at 0.59 to 0.83 times the speed, and instances of quadrics at 0.30 to 0.52 times.
 //!
 //! **Source:** packets: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray
 //! Tracing", 2001. Single-ray fallback: C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and
