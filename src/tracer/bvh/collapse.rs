@@ -7,7 +7,8 @@
 //! do compare: on closed rooms the order of octants alone made their primary rays 0.55 times as fast.)
 
 use glam::Vec3;
-use obvhs::bvh2::Bvh2;
+
+use super::binary::{BinaryTree, Content, half_area};
 
 /// Relative costs of visiting a node, a leaf, and an item in a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -31,31 +32,36 @@ struct Plan {
 
 /// The plans for all nodes of a binary tree.
 pub(crate) struct Collapse<'a> {
-    source: &'a Bvh2,
+    source: &'a BinaryTree,
     plans: Vec<Plan>,
 }
 
 impl<'a> Collapse<'a> {
-    pub(crate) fn new(source: &'a Bvh2, costs: Costs) -> Self {
+    pub(crate) fn new(source: &'a BinaryTree, costs: Costs) -> Self {
         let mut order = Vec::with_capacity(source.nodes.len());
         let mut open = vec![0];
         while let Some(number) = open.pop() {
             order.push(number);
-            let node = &source.nodes[number as usize];
-            if !node.is_leaf() {
-                open.extend([node.first_index, node.first_index + 1]);
+            if let Content::Children(first) = source.nodes[number as usize].content() {
+                open.extend([first, first + 1]);
             }
         }
+        // Relative to the root's, an area vanishes in `f32` only if the box is 1e19 times smaller. Boxes of no area cost
+        // the same, so the plan makes few nodes of them.
+        let scale = 1.0 / half_area(&source.nodes[0].bounds).max(f64::MIN_POSITIVE);
         let mut plans = vec![Plan::default(); source.nodes.len()];
         for number in order.into_iter().rev() {
             let node = &source.nodes[number as usize];
-            let area = node.aabb().half_area();
-            plans[number as usize] = if node.is_leaf() {
-                let cost = area * (costs.leaf + costs.item * node.prim_count as f32);
-                Plan { cost: [cost; 7], left: [1, 0, 0, 0, 0, 0, 0, 0], items: node.prim_count as u8 }
-            } else {
-                let first = node.first_index as usize;
-                Self::plan(area, &plans[first], &plans[first + 1], costs)
+            let area = ((half_area(&node.bounds) * scale) as f32).max(f32::MIN_POSITIVE);
+            plans[number as usize] = match node.content() {
+                Content::Item(_) => {
+                    let cost = area * (costs.leaf + costs.item);
+                    Plan { cost: [cost; 7], left: [1, 0, 0, 0, 0, 0, 0, 0], items: 1 }
+                }
+                Content::Children(first) => {
+                    let first = first as usize;
+                    Self::plan(area, &plans[first], &plans[first + 1], costs)
+                }
             };
         }
         Self { source, plans }
@@ -94,26 +100,32 @@ impl<'a> Collapse<'a> {
         if trees == 1 {
             found.push(number);
         } else {
-            let (first, left) = (self.source.nodes[number as usize].first_index, plan.left[trees - 1] as usize);
+            let (first, left) = (self.first_child(number), plan.left[trees - 1] as usize);
             self.forest(first, left, found);
             self.forest(first + 1, trees - left, found);
+        }
+    }
+
+    /// The first child of a node that has children.
+    fn first_child(&self, number: u32) -> u32 {
+        match self.source.nodes[number as usize].content() {
+            Content::Children(first) => first,
+            Content::Item(_) => unreachable!("an item is planned as a leaf"),
         }
     }
 
     /// The children of a node of the wide tree.
     pub(crate) fn children(&self, number: u32) -> Vec<u32> {
         let mut children = Vec::with_capacity(8);
-        let (first, left) =
-            (self.source.nodes[number as usize].first_index, self.plans[number as usize].left[7] as usize);
+        let (first, left) = (self.first_child(number), self.plans[number as usize].left[7] as usize);
         self.forest(first, left, &mut children);
         self.forest(first + 1, 8 - left, &mut children);
         children
     }
 
-    /// Twice the centre of a node's box.
+    /// The centre of a node's box.
     pub(crate) fn middle(&self, number: u32) -> Vec3 {
-        let aabb = self.source.nodes[number as usize].aabb();
-        Vec3::from(aabb.min + aabb.max)
+        self.source.nodes[number as usize].bounds.center()
     }
 
     /// The items of a leaf of the wide tree; `None` if the node becomes an inner node.
@@ -124,12 +136,9 @@ impl<'a> Collapse<'a> {
         let mut open = vec![number];
         let mut items = Vec::with_capacity(8);
         while let Some(number) = open.pop() {
-            let node = &self.source.nodes[number as usize];
-            if node.is_leaf() {
-                let first = node.first_index as usize;
-                items.extend(&self.source.primitive_indices[first..first + node.prim_count as usize]);
-            } else {
-                open.extend([node.first_index + 1, node.first_index]);
+            match self.source.nodes[number as usize].content() {
+                Content::Item(item) => items.push(item),
+                Content::Children(first) => open.extend([first + 1, first]),
             }
         }
         Some(items)

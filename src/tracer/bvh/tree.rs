@@ -38,6 +38,15 @@ pub(crate) struct Node {
     pub(crate) children: [Child; 8],
 }
 
+/// The largest and the smallest box of a tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// A box around all items.
+    pub(crate) bounds: Aabb,
+    /// Length of the shortest diagonal of a leaf's box that is not a point. Infinite if there is none.
+    pub(crate) smallest_leaf: f32,
+}
+
 /// A tree over items.
 #[derive(Debug)]
 pub(crate) struct Bvh {
@@ -45,9 +54,8 @@ pub(crate) struct Bvh {
     pub(crate) nodes: Vec<Node>,
     pub(crate) leaves: Vec<Leaf>,
     pub(crate) root: Child,
-    /// A box around all items.
-    pub(crate) bounds: Aabb,
-    /// Mean length of the items' diagonals.
+    pub(crate) extent: Extent,
+    /// Mean length of the items' diagonals. Where few items are much larger than the others, eight times the median.
     pub(crate) item_size: f32,
 }
 
@@ -70,7 +78,10 @@ impl Bvh {
             }],
             leaves: (0..items.len() as u32).map(leaf).collect(),
             root: Child::of_node(0),
-            bounds: items.iter().fold(Aabb::EMPTY, |bounds, one| bounds.union(one)),
+            extent: Extent {
+                bounds: items.iter().fold(Aabb::EMPTY, |bounds, one| bounds.union(one)),
+                smallest_leaf: f32::INFINITY,
+            },
             item_size: 0.0,
         }
     }

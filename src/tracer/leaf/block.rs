@@ -169,8 +169,8 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                 // Without a common origin the interval is wide, and most of the boxes that it hits are missed by every
                 // ray.
                 if !block.one_origin {
-                    let bounds = &self.tree.bvh.bounds;
-                    let rays = self.rays[packet].get_or_insert_with(|| PacketRays::of(ray, &setup.slabs, bounds));
+                    let extent = &self.tree.bvh.extent;
+                    let rays = self.rays[packet].get_or_insert_with(|| PacketRays::of(ray, &setup.slabs, extent));
                     if !rays.enter(&boxes, slot, dir_is_neg, limit).1.any() {
                         continue;
                     }

@@ -36,7 +36,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         storage: &mut StackStorage<single::StackEntry>,
         counter: &mut impl Counter,
     ) -> Hit<f32> {
-        let walk = SingleRay::of(ray, &self.bvh.bounds);
+        let walk = SingleRay::of(ray, &self.bvh.extent);
         let ray = Ray::splat(ray);
         let setup = <K as Intersect<f32x8>>::setup(&ray);
         let search = SingleSearch::<K, ANY> { tree: self, walk, ray, setup };

@@ -36,7 +36,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         for index in 0..numbers.len() {
             let number = numbers[index];
             let ray = &rays[usize::from(number)];
-            if let Some(ready) = StreamRay::of(ray, &self.bvh.bounds).filter(|_| long) {
+            if let Some(ready) = StreamRay::of(ray, &self.bvh.extent).filter(|_| long) {
                 scratch.stream.rays[usize::from(number) % stream::RAYS] = ready;
                 t_min = lanes::min(ray.t_min, t_min);
                 numbers[len] = number;

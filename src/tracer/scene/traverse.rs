@@ -91,7 +91,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         counter: &mut impl Counter,
     ) -> Hit<f32> {
         let setup = InverseDirection::<f32>::of(ray);
-        let walk = SingleRay::of(ray, &self.bvh.bounds);
+        let walk = SingleRay::of(ray, &self.bvh.extent);
         let mut instances = SingleSearch::<K, ANY> { scene: self, ray, setup, lower };
         self.bvh.walk_single::<ANY, _>(root, &walk, best, storage, counter, &mut instances)
     }

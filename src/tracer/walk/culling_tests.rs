@@ -11,7 +11,7 @@ use super::stream::{self, StreamRay, StreamScratch};
 use crate::geom::lanes::le8;
 use crate::geom::{Aabb, Ray};
 use crate::kernels::aabb::{InverseDirection, pad, slab_interval};
-use crate::tracer::bvh::{Boxes, Bvh};
+use crate::tracer::bvh::{Boxes, Bvh, Extent};
 use crate::tracer::meshes::generator::hash;
 
 /// A sequence of numbers that look random.
@@ -98,12 +98,13 @@ fn single_rays_and_packets_are_never_stricter() {
         let all = random.boxes(scale);
         let (boxes, target) = (Boxes::new(all), some_box(&all));
         let bounds = all.iter().fold(Aabb::EMPTY, |bounds, one| bounds.union(one));
+        let extent = Extent { bounds, smallest_leaf: f32::INFINITY };
         let rays: [Ray<f32>; 8] = std::array::from_fn(|_| random.ray(&target, scale));
         let eight = packet(&rays);
         let setup = InverseDirection::<f32x8>::of(&eight);
-        let walk = PacketRays::of(&eight, &setup, &bounds);
+        let walk = PacketRays::of(&eight, &setup, &extent);
         for (lane, ray) in rays.iter().enumerate() {
-            let (entry, hit) = SingleRay::of(ray, &bounds).boxes(&boxes, InverseDirection::<f32>::of(ray).t_max);
+            let (entry, hit) = SingleRay::of(ray, &extent).boxes(&boxes, InverseDirection::<f32>::of(ray).t_max);
             let (octant, _) = walk.octant(lane);
             for (slot, one) in all.iter().enumerate() {
                 let Some(at) = by_the_rule(one, ray) else { continue };
@@ -160,7 +161,7 @@ fn streams_are_never_stricter() {
             std::iter::repeat_with(|| random.ray(target, scale)).filter(same_octant).take(count).collect();
         let mut numbers = Vec::new();
         for (number, ray) in rays.iter().enumerate() {
-            if let Some(ready) = StreamRay::of(ray, &tree.bounds) {
+            if let Some(ready) = StreamRay::of(ray, &tree.extent) {
                 streams.rays[number] = ready;
                 numbers.push(number as u16);
             }

@@ -5,8 +5,9 @@
 
 use glam::Vec3;
 
-use crate::geom::{Aabb, Ray};
+use crate::geom::Ray;
 use crate::kernels::aabb::InverseDirection;
+use crate::tracer::bvh::Extent;
 
 /// Error bound of `plane·inv - origin·inv`, relative to `(|origin| + largest |plane|)·|inv|`.
 ///
@@ -22,6 +23,14 @@ pub(crate) const LARGEST: f32 = 1e30;
 /// strict.
 pub(crate) const STEEPEST: f32 = 1.152_921_5e18;
 
+/// The largest `|origin| + largest |plane|` at which the fused test is sharp enough: its error bound, in coordinates, is
+/// then at most a quarter of the smallest leaf. Beyond it, a ray would visit every leaf of a small object on a large
+/// ground. In real meshes the error bound is a hundredth of the smallest leaf, or less.
+#[inline(always)]
+pub(crate) fn sharp_reach(extent: &Extent) -> f32 {
+    extent.smallest_leaf * (0.25 / ERROR)
+}
+
 /// One ray, prepared for the fused slab test.
 pub(crate) struct FusedSlabs {
     /// The ray's setup for the monotonic test.
@@ -34,14 +43,15 @@ pub(crate) struct FusedSlabs {
     pub(crate) near: Vec3,
     /// `-origin·inv` plus the error bound: the addend of far planes.
     pub(crate) far: Vec3,
-    /// Whether the error bound holds. False for NaN.
+    /// Whether the error bound holds and is small enough. False for NaN.
     pub(crate) valid: bool,
 }
 
 impl FusedSlabs {
-    /// Prepares a ray for a tree within `bounds`.
+    /// Prepares a ray for a tree of this extent.
     #[inline(always)]
-    pub(crate) fn of(ray: &Ray<f32>, bounds: &Aabb) -> Self {
+    pub(crate) fn of(ray: &Ray<f32>, extent: &Extent) -> Self {
+        let bounds = &extent.bounds;
         let setup = InverseDirection::<f32>::of(ray);
         let least = setup.inv_dir.abs().min_element();
         let inv_dir = setup.inv_dir.abs().min(Vec3::splat(least * STEEPEST)).copysign(setup.inv_dir);
@@ -52,7 +62,8 @@ impl FusedSlabs {
         }
         let size = reach * inv_dir.abs();
         let (error, offset) = (size * ERROR + Vec3::splat(f32::MIN_POSITIVE), ray.origin * inv_dir);
-        let valid = (size.x < LARGEST) & (size.y < LARGEST) & (size.z < LARGEST);
+        let sharp = reach.max_element() <= sharp_reach(extent);
+        let valid = (size.x < LARGEST) & (size.y < LARGEST) & (size.z < LARGEST) & sharp;
         Self { setup, inv_dir, reach, near: -offset - error, far: error - offset, valid }
     }
 }

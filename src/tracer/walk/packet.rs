@@ -17,13 +17,13 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::fused_slabs::{ERROR, LARGEST, STEEPEST};
+use super::fused_slabs::{ERROR, LARGEST, STEEPEST, sharp_reach};
 use super::rays::{dir_is_neg, only_lane};
 use super::stack::StackStorage;
 use crate::geom::lanes::{Mask8, eq8, le8, lt8, max8, min8, sign_bit8};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Hit, Ray};
 use crate::kernels::aabb::InverseDirection;
-use crate::tracer::bvh::{Boxes, Bvh, Child};
+use crate::tracer::bvh::{Boxes, Bvh, Child, Extent};
 
 /// Per-ray data of eight rays for the fused slab test: [`super::fused_slabs::FusedSlabs`] in eight lanes.
 #[derive(Clone, Copy)]
@@ -32,16 +32,17 @@ pub(crate) struct PacketRays {
     near: [f32x8; 3],
     far: [f32x8; 3],
     t_min: f32x8,
-    /// Lanes in which the error bounds hold. Only these can walk together.
+    /// Lanes in which the error bounds hold and are small enough. Only these can walk together.
     pub(crate) fused: Mask8,
     /// For each axis, the lanes whose direction has its sign bit set.
     negative: [Mask8; 3],
 }
 
 impl PacketRays {
-    /// Prepares eight rays for a tree within `bounds`.
+    /// Prepares eight rays for a tree of this extent.
     #[inline(always)]
-    pub(crate) fn of(ray: &Ray<f32x8>, setup: &InverseDirection<f32x8>, bounds: &Aabb) -> Self {
+    pub(crate) fn of(ray: &Ray<f32x8>, setup: &InverseDirection<f32x8>, extent: &Extent) -> Self {
+        let bounds = &extent.bounds;
         let inverse = [setup.inv_dir.x, setup.inv_dir.y, setup.inv_dir.z];
         let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
         let planes: Vec3 = bounds.lo.abs().max(bounds.hi.abs());
@@ -60,12 +61,13 @@ impl PacketRays {
         let error = size.map(|size| size * f32x8::splat(ERROR) + f32x8::splat(f32::MIN_POSITIVE));
         let offset = [0, 1, 2].map(|axis: usize| origin[axis] * inv_dir[axis]);
         let largest = f32x8::splat(LARGEST);
+        let sharp = le8(max8(max8(reach[0], reach[1]), reach[2]), f32x8::splat(sharp_reach(extent)));
         Self {
             inv_dir,
             near: [0, 1, 2].map(|axis| -offset[axis] - error[axis]),
             far: [0, 1, 2].map(|axis| error[axis] - offset[axis]),
             t_min: setup.t_min,
-            fused: lt8(size[0], largest) & lt8(size[1], largest) & lt8(size[2], largest),
+            fused: lt8(size[0], largest) & lt8(size[1], largest) & lt8(size[2], largest) & sharp,
             negative,
         }
     }
@@ -170,7 +172,7 @@ impl Bvh {
         storage: &mut StackStorage<StackEntry>,
         search: &mut impl PacketSearch,
     ) {
-        let rays = PacketRays::of(ray, setup, &self.bounds);
+        let rays = PacketRays::of(ray, setup, &self.extent);
         for group in RayGroups::new(&rays, le8(setup.t_min, search.limit())) {
             match group {
                 RayGroup::Lanes { octant, lanes } => self.walk_group::<ANY>(&rays, octant, lanes, storage, search),

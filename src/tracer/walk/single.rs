@@ -11,9 +11,9 @@ use super::counter::Counter;
 use super::fused_slabs::FusedSlabs;
 use super::stack::StackStorage;
 use crate::geom::lanes::{self, Vec3x8, le8, max8, min8};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Hit, Ray};
 use crate::kernels::aabb::{InverseDirection, pad8, slab_interval8};
-use crate::tracer::bvh::{Boxes, Bvh, Child};
+use crate::tracer::bvh::{Boxes, Bvh, Child, Extent};
 
 /// Per-ray data of the walk, splatted to eight lanes.
 #[derive(Clone, Copy)]
@@ -34,10 +34,10 @@ pub(crate) struct SingleRay {
 }
 
 impl SingleRay {
-    /// Prepares a ray for a tree within `bounds`.
+    /// Prepares a ray for a tree of this extent.
     #[inline(always)]
-    pub(crate) fn of(ray: &Ray<f32>, bounds: &Aabb) -> Self {
-        let FusedSlabs { setup, inv_dir, near, far, valid, .. } = FusedSlabs::of(ray, bounds);
+    pub(crate) fn of(ray: &Ray<f32>, extent: &Extent) -> Self {
+        let FusedSlabs { setup, inv_dir, near, far, valid, .. } = FusedSlabs::of(ray, extent);
         Self {
             origin: Vec3x8::splat(ray.origin),
             slabs: InverseDirection {

@@ -21,9 +21,9 @@ use super::counter::Counter;
 use super::fused_slabs::{ERROR, FusedSlabs};
 use super::rays::dir_is_neg;
 use super::stack::StackStorage;
+use crate::geom::Ray;
 use crate::geom::lanes::{le8, max8, min8};
-use crate::geom::{Aabb, Ray};
-use crate::tracer::bvh::{Bvh, Child, Node};
+use crate::tracer::bvh::{Bvh, Child, Extent, Node};
 
 /// Largest number of rays in a stream. A power of two.
 pub(crate) const RAYS: usize = 4096;
@@ -39,10 +39,11 @@ pub(crate) struct StreamRay(f32x8);
 impl StreamRay {
     const EMPTY: Self = Self(f32x8::ZERO);
 
-    /// Prepares a ray for a tree within `bounds`; `None` if its error bounds do not hold, and it must walk alone.
+    /// Prepares a ray for a tree of this extent; `None` if it must walk alone, because its error bounds do not hold or
+    /// are too large.
     #[inline(always)]
-    pub(crate) fn of(ray: &Ray<f32>, bounds: &Aabb) -> Option<Self> {
-        let FusedSlabs { setup, inv_dir: inv, reach, near, valid, .. } = FusedSlabs::of(ray, bounds);
+    pub(crate) fn of(ray: &Ray<f32>, extent: &Extent) -> Option<Self> {
+        let FusedSlabs { setup, inv_dir: inv, reach, near, valid, .. } = FusedSlabs::of(ray, extent);
         // Twice the error bound, and an eighth more for the rounding of the sum.
         let apart = reach.max_element() * (2.25 * ERROR);
         // The error bound must not underflow.
