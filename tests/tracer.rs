@@ -13,7 +13,7 @@ use raylanes::kernels::triangle::{Cramer, MollerTrumbore, Woop};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{
-    Camera, Geometry, LoadedScene, Mesh, Mode, Scene, SceneSource, World, count, thread_pool, trace, trace_into,
+    Camera, Geometry, LoadedScene, Mesh, Mode, Part, Scene, SceneSource, World, count, thread_pool, trace, trace_into,
 };
 
 use random::Random;
@@ -383,6 +383,49 @@ fn diverging_rays_have_identical_hits_and_few_more_tests() {
         let [single, packet, auto] =
             [Mode::Single, Mode::Packet, Mode::Auto].map(|mode| count(&scene, &rays, any_hit, mode));
         assert!(packet.tests.max(auto.tests) < 3 * single.tests, "{packet:?}, {auto:?}, {single:?}");
+    }
+}
+
+/// A ball on a square ground of this half width, the ground last; without it if there is none.
+fn ball_on_ground(half_width: Option<f32>, at: Vec3) -> World {
+    let ball = built_in_mesh("sphere:5e3");
+    let (center, scale) = (ball.bounds().center(), 0.1 / ball.bounds().extent().max_element());
+    let mut corners = Vec::new();
+    for number in 0..ball.len() as u32 {
+        let Triangle { v0, v1, v2 } = ball.triangle(number);
+        corners.extend([v0, v1, v2].map(|vertex| (vertex - center) * scale + Vec3::Y * 0.05 + at));
+    }
+    if let Some(half) = half_width {
+        let [a, b, c, d] =
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x * half, 0.0, z * half) + at);
+        corners.extend([a, b, c, a, c, d]);
+    }
+    let triangles = (0..corners.len() as u32).collect::<Vec<_>>();
+    let triangles = triangles.chunks_exact(3).map(|one| [one[0], one[1], one[2]]).collect();
+    Mesh::new(corners, triangles, vec![Part { first_triangle: 0, color: Vec3::ONE }]).unwrap().into()
+}
+
+/// The tree must find a small object on a large ground, also where one ray has room for a whole scene between two
+/// numbers of the other end. So must every walk: none may test boxes with an error as large as the object.
+#[test]
+fn a_large_ground_does_not_hide_a_small_object() {
+    let view = |at: Vec3| Camera::new(Vec3::new(0.1, 0.3, 0.3) + at, Vec3::new(0.0, 0.05, 0.0) + at, 40.0, 64, 64);
+    let tests = |ground, at: Vec3, any_hit, mode| {
+        let scene = Scene::<Woop<f32>>::new(ball_on_ground(ground, at));
+        count(&scene, &view(at).rays(64, 64), any_hit, mode).tests
+    };
+    for mode in Mode::ALL {
+        for any_hit in [false, true] {
+            let alone = tests(None, Vec3::ZERO, any_hit, mode);
+            for half_width in [1e2, 1e4, 1e5, 1e6, 1e12, 1e18] {
+                let got = tests(Some(half_width), Vec3::ZERO, any_hit, mode);
+                // Each ray that misses the ball hits the ground.
+                let most = 2 * alone + if mode == Mode::Scalar { 4 } else { 1 } * 64 * 64;
+                assert!(got <= most, "{mode:?}, ground of {half_width:e}: {got} tests, alone {alone}");
+            }
+            let far = tests(None, Vec3::splat(1e4), any_hit, mode);
+            assert!(far <= 2 * alone, "{mode:?}, at 1e4: {far} tests, at the origin {alone}");
+        }
     }
 }
 

@@ -59,7 +59,7 @@ pub use image::{
     picture_hits, shade,
 };
 #[cfg(feature = "study")]
-pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays};
+pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, starts};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
 pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
 pub use scene::{Checker, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};

@@ -3,10 +3,10 @@
 use crate::study::record::Machine;
 
 /// Crates whose code is measured.
-const MEASURED: [&str; 5] = ["glam", "wide", "obvhs", "rayon", "dashu-int"];
+const MEASURED: [&str; 4] = ["glam", "wide", "rayon", "dashu-int"];
 
 /// Crates of peers whose code is measured in a comparison, in addition to those.
-pub(crate) const PEERS: [&str; 2] = ["bvh", "parry3d"];
+pub(crate) const PEERS: [&str; 3] = ["bvh", "obvhs", "parry3d"];
 
 /// Describes this machine and this build.
 pub(crate) fn describe() -> Machine {

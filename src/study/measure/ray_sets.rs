@@ -3,7 +3,7 @@
 
 use crate::geom::{Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::{Mode, OCCLUSION_REACH, Scene, View, hemisphere_rays, shadow_rays, trace};
+use crate::tracer::{Mode, OCCLUSION_REACH, Scene, View, hemisphere_rays, shadow_rays, starts, trace};
 
 /// Rays that a renderer traces together, in the order of the picture's blocks ([`crate::tracer::block_order`]).
 #[derive(Clone, Debug)]
@@ -34,9 +34,10 @@ pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size
     let hits = trace(scene, &pixels, false, Mode::Auto);
     let diagonal = scene.bounds().extent().length();
     let sample = (seed ^ (seed >> 32)) as u32;
-    let shadow = shadow_rays(scene, &pixels, &hits, view.light);
-    let bounce = hemisphere_rays(scene, &pixels, &hits, sample, diagonal, f32::INFINITY);
-    let occlusion = hemisphere_rays(scene, &pixels, &hits, sample.wrapping_add(1), diagonal * OCCLUSION_REACH, 1.0);
+    let starts = starts(scene, &pixels, &hits);
+    let shadow = shadow_rays(&starts, view.light, diagonal);
+    let bounce = hemisphere_rays(&starts, sample, diagonal, f32::INFINITY);
+    let occlusion = hemisphere_rays(&starts, sample.wrapping_add(1), diagonal * OCCLUSION_REACH, 1.0);
     // Pixels that show the background have no secondary rays.
     let of_hits =
         |rays: Vec<Ray<f32>>| rays.into_iter().zip(&hits).filter(|(_, hit)| hit.mask).map(|(ray, _)| ray).collect();
@@ -72,7 +73,8 @@ mod tests {
             let towards_eye = -ray.dir.dot(surface.normal).signum();
             let (bounce, occlusion) = (&bounce.rays[index], &occlusion.rays[index]);
             for (ray, length) in [(bounce, diagonal), (occlusion, 0.1 * diagonal)] {
-                assert_eq!(ray.origin, surface.point);
+                let off = (ray.origin - surface.point).dot(surface.normal) * towards_eye;
+                assert!(off > 0.0 && ray.origin.distance(surface.point) < 1e-5, "{off}");
                 let cosine = ray.dir.dot(surface.normal) * towards_eye / length;
                 assert!(cosine > -1e-6, "{cosine}");
                 assert!((ray.dir.length() / length - 1.0).abs() < 1e-5);

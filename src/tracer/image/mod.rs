@@ -12,7 +12,7 @@ pub use camera::{Camera, block_order};
 pub use compare::{Differences, compare};
 pub use picture::Picture;
 #[cfg(feature = "study")]
-pub(crate) use secondary::{hemisphere_rays, shadow_rays};
+pub(crate) use secondary::{hemisphere_rays, shadow_rays, starts};
 #[cfg(feature = "study")]
 pub(crate) use shade::OCCLUSION_REACH;
 pub use shade::{OCCLUSION_RAYS, Shade, shade};

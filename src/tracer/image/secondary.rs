@@ -7,57 +7,48 @@ use super::view::Light;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::meshes::generator::{hash, unit_interval};
-use crate::tracer::scene::{Scene, SurfacePoint};
+use crate::tracer::scene::{Scene, Start};
 
-/// `t_min` of these rays, so that a ray does not hit the surface that it leaves. It is a fraction of the ray's length,
-/// so it suits scenes of any size.
-const T_MIN: f32 = 1e-4;
-
-/// One ray from each hit to the light. A point light is at `t = 1`. A miss gives an inactive ray.
-pub(crate) fn shadow_rays<K: Kernel<Shape = Triangle>>(
+/// Where secondary rays start, for each hit; `None` for a miss.
+pub(crate) fn starts<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
     hits: &[Hit<f32>],
-    light: Light,
-) -> Vec<Ray<f32>> {
-    let size = scene.bounds().extent().length();
-    let towards_light = |(ray, hit): (&Ray<f32>, &Hit<f32>)| {
-        if !hit.mask {
-            return Ray::INACTIVE;
-        }
-        let origin = ray.at(hit.t);
-        let (dir, t_max) = match light {
-            Light::Point(position) => (position - origin, 1.0),
-            Light::Directional(to_light) => (to_light.normalize_or_zero() * size, f32::INFINITY),
-        };
-        Ray { origin, dir, t_min: T_MIN, t_max }
-    };
-    rays.iter().zip(hits).map(towards_light).collect()
+) -> Vec<Option<Start>> {
+    rays.par_iter().zip(hits).map(|(ray, hit)| hit.mask.then(|| scene.start(ray, hit))).collect()
 }
 
-/// One ray from each hit into the hemisphere on the side that the ray came from. Directions follow the cosine
-/// distribution (Lambert's law), have the given length, and depend on the index of the ray and on `sample`. A miss
-/// gives an inactive ray.
-pub(crate) fn hemisphere_rays<K: Kernel<Shape = Triangle>>(
-    scene: &Scene<K>,
-    rays: &[Ray<f32>],
-    hits: &[Hit<f32>],
-    sample: u32,
-    length: f32,
-    t_max: f32,
-) -> Vec<Ray<f32>> {
-    let leaving = |(index, (ray, hit)): (usize, (&Ray<f32>, &Hit<f32>))| {
-        if !hit.mask {
-            return Ray::INACTIVE;
-        }
-        let SurfacePoint { point, normal, .. } = scene.surface(ray, hit);
-        let seen_side = if normal.dot(ray.dir) > 0.0 { -normal } else { normal };
-        // A random point of the unit sphere that touches the surface has the cosine distribution, seen from the
-        // touching point. This needs no sine.
-        let dir = (seen_side + on_sphere(index as u32, sample)).normalize_or(seen_side) * length;
-        Ray { origin: point, dir, t_min: T_MIN, t_max }
+/// One ray from each start to the light. A point light is at `t = 1`. `size` is the length of rays to a light at
+/// infinity. No start gives an inactive ray.
+pub(crate) fn shadow_rays(starts: &[Option<Start>], light: Light, size: f32) -> Vec<Ray<f32>> {
+    let towards_light = |&Start { point, .. }: &Start| {
+        let (dir, t_max) = match light {
+            Light::Point(position) => (position - point, 1.0),
+            Light::Directional(to_light) => (direction(to_light) * size, f32::INFINITY),
+        };
+        Ray { origin: point, dir, t_min: 0.0, t_max }
     };
-    rays.par_iter().zip(hits).enumerate().map(leaving).collect()
+    starts.iter().map(|start| start.as_ref().map_or(Ray::INACTIVE, towards_light)).collect()
+}
+
+/// One ray from each start into the hemisphere on the side that the hit's ray came from. Directions follow the cosine
+/// distribution (Lambert's law), have the given length, and depend on the index of the ray and on `sample`. No start
+/// gives an inactive ray.
+pub(crate) fn hemisphere_rays(starts: &[Option<Start>], sample: u32, length: f32, t_max: f32) -> Vec<Ray<f32>> {
+    let leaving = |(index, start): (usize, &Option<Start>)| {
+        start.map_or(Ray::INACTIVE, |Start { point, normal }| {
+            // A random point of the unit sphere that touches the surface has the cosine distribution, seen from the
+            // touching point. This needs no sine.
+            let dir = (normal + on_sphere(index as u32, sample)).normalize_or(normal) * length;
+            Ray { origin: point, dir, t_min: 0.0, t_max }
+        })
+    };
+    starts.par_iter().enumerate().map(leaving).collect()
+}
+
+/// The vector scaled to unit length. In `f64` the square of its length neither overflows nor vanishes.
+fn direction(vector: Vec3) -> Vec3 {
+    vector.as_dvec3().normalize_or_zero().as_vec3()
 }
 
 /// A random point on the unit sphere, uniformly distributed.

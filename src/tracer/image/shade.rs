@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::picture::Picture;
-use super::secondary::{hemisphere_rays, shadow_rays};
+use super::secondary::{hemisphere_rays, shadow_rays, starts};
 use super::shot::Shot;
 use super::view::Light;
 use crate::geom::{Hit, Ray, Triangle};
@@ -85,7 +85,8 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
     }
 
     fn lambert(&self, light: Light) -> Vec<Vec3> {
-        let shadow_rays = shadow_rays(self.scene, self.rays, self.hits, light);
+        let starts = starts(self.scene, self.rays, self.hits);
+        let shadow_rays = shadow_rays(&starts, light, self.scene.bounds().extent().length());
         let shadowed = trace(self.scene, &shadow_rays, true, self.mode);
         let lit = |index: usize| {
             let (ray, hit, shadow_ray) = (&self.rays[index], &self.hits[index], &shadow_rays[index]);
@@ -106,10 +107,11 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
     /// Grey: the share of hemisphere rays that hit nothing.
     fn ambient_occlusion(&self) -> Vec<Vec3> {
         let reach = self.scene.bounds().extent().length() * OCCLUSION_REACH;
+        let starts = starts(self.scene, self.rays, self.hits);
         let mut open = vec![0; self.rays.len()];
         // One ray per pixel at a time. All rays of a large picture together would need gigabytes.
         for sample in 0..OCCLUSION_RAYS {
-            let rays = hemisphere_rays(self.scene, self.rays, self.hits, sample, reach, 1.0);
+            let rays = hemisphere_rays(&starts, sample, reach, 1.0);
             for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
                 *open += u32::from(!occluded.mask);
             }

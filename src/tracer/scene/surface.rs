@@ -43,17 +43,28 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// # Panics
     /// If the hit is a miss, or if this scene has no such instance or triangle.
     pub fn surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> SurfacePoint {
+        let (point, normal, uv, own_color) = self.exact_surface(ray, hit);
+        let color = match &self.world().instances()[hit.instance as usize].paint {
+            Paint::Own => own_color,
+            Paint::Plain(color) => *color,
+            Paint::Checker(checker) => checker.at(uv),
+        };
+        SurfacePoint { point: point.as_vec3(), normal: normal.as_vec3(), uv, color }
+    }
+
+    /// Point, normal, surface parameters and own colour at a hit, before rounding.
+    pub(super) fn exact_surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> (DVec3, DVec3, Vec2, Vec3) {
         let placement = &self.world().instances()[hit.instance as usize];
         let (linear, translation) =
             (placement.object_to_world.matrix3.as_dmat3(), placement.object_to_world.translation.as_dvec3());
-        let primitive = hit.primitive - self.first_primitive(hit.instance);
-        let (point, normal, uv, own_color) = match &self.world().geometries()[placement.geometry as usize] {
+        match &self.world().geometries()[placement.geometry as usize] {
             Geometry::Mesh(mesh) => {
+                let primitive = hit.primitive - self.first_primitive(hit.instance);
                 let [v0, v1, v2] = mesh.triangle(primitive).vertices().map(Vec3::as_dvec3);
                 let (e1, e2) = (v1 - v0, v2 - v0);
                 let point = linear * (v0 + e1 * f64::from(hit.u) + e2 * f64::from(hit.v)) + translation;
                 let normal = (linear * e1).cross(linear * e2);
-                (point, normal, Vec2::new(hit.u, hit.v), mesh.color(primitive))
+                (point, normalized(normal), Vec2::new(hit.u, hit.v), mesh.color(primitive))
             }
             Geometry::Quadric(quadric) => {
                 let (origin, along) = (ray.origin.as_dvec3(), ray.dir.as_dvec3() * f64::from(hit.t));
@@ -61,15 +72,10 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
                 // The translation is subtracted first, as for the ray. So a position far from the world's origin costs
                 // no accuracy.
                 let in_object = linear.inverse() * ((origin - translation) + along);
-                (point, cofactors(linear) * gradient(quadric, in_object), quadric_uv(quadric, in_object), Vec3::ONE)
+                let normal = cofactors(linear) * gradient(quadric, in_object);
+                (point, normalized(normal), quadric_uv(quadric, in_object), Vec3::ONE)
             }
-        };
-        let color = match &placement.paint {
-            Paint::Own => own_color,
-            Paint::Plain(color) => *color,
-            Paint::Checker(checker) => checker.at(uv),
-        };
-        SurfacePoint { point: point.as_vec3(), normal: normalized(normal), uv, color }
+        }
     }
 }
 
@@ -81,8 +87,19 @@ fn cofactors(linear: DMat3) -> DMat3 {
     if x.dot(cofactors.x_axis) < 0.0 { -cofactors } else { cofactors }
 }
 
+/// The quadric's polynomial.
+pub(super) fn value(quadric: &Quadric, point: DVec3) -> f64 {
+    let DVec3 { x, y, z } = point;
+    let Quadric { squares, products, linear, constant, .. } = quadric;
+    let (squares, products, linear) = (squares.as_dvec3(), products.as_dvec3(), linear.as_dvec3());
+    squares.dot(point * point)
+        + products.dot(DVec3::new(y * z, z * x, x * y))
+        + linear.dot(point)
+        + f64::from(*constant)
+}
+
 /// Gradient of the quadric's polynomial. It points outwards.
-fn gradient(quadric: &Quadric, point: DVec3) -> DVec3 {
+pub(super) fn gradient(quadric: &Quadric, point: DVec3) -> DVec3 {
     let (squares, linear) = (quadric.squares.as_dvec3(), quadric.linear.as_dvec3());
     let (DVec3 { x, y, z }, DVec3 { x: yz, y: zx, z: xy }) = (point, quadric.products.as_dvec3());
     squares * point * 2.0 + DVec3::new(xy * y + zx * z, xy * x + yz * z, zx * x + yz * y) + linear
@@ -98,7 +115,7 @@ fn quadric_uv(quadric: &Quadric, point: DVec3) -> Vec2 {
 }
 
 /// The vector scaled to unit length, for vectors of any length. Zero stays zero.
-fn normalized(vector: DVec3) -> Vec3 {
+fn normalized(vector: DVec3) -> DVec3 {
     // First scale the largest component to 1: the square of the length may be beyond the range of f64.
-    (vector / vector.abs().max_element()).normalize_or_zero().as_vec3()
+    (vector / vector.abs().max_element()).normalize_or_zero()
 }
