@@ -105,9 +105,9 @@ pub(super) struct SceneArguments {
     /// Point in the middle of the picture.
     #[arg(long, value_name = "X,Y,Z", value_parser = tracer::parse_point, requires = "eye", allow_hyphen_values = true)]
     pub(super) look_at: Option<Vec3>,
-    /// Vertical field of view in degrees, for a camera given by --eye.
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = parse_field_of_view)]
-    pub(super) fov: f32,
+    /// Vertical field of view in degrees [default: the scene's own, or 60 with --eye].
+    #[arg(long, value_name = "DEGREES", value_parser = parse_field_of_view)]
+    pub(super) fov: Option<f32>,
 }
 
 #[derive(Args)]

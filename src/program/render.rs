@@ -18,7 +18,7 @@ pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<St
     let other = arguments.compare.as_deref().map(|id| kernels.with(id, &["triangle", "quadric"])).transpose()?;
     let Loaded { world, camera, light, pool } = scene.load(progress)?;
     let (width, height) = scene.size;
-    let shot = Shot { camera, light, mode: scene.mode, width, height };
+    let shot = Shot { camera: camera?, light, mode: scene.mode, width, height };
     let name = &scene.scene;
     pool.install(|| {
         progress.note(&format!("{name}: rendering"));

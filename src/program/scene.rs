@@ -6,15 +6,19 @@ use raylanes::geom::{Quadric, Triangle};
 use raylanes::kernels::{Kernel, Shape};
 use raylanes::registry::{self, Task, Visitor};
 use raylanes::study::Progress;
-use raylanes::tracer::{self, Camera, Error, Light, LoadedScene, Scene, SceneSource, View, World};
+use raylanes::tracer::{self, Camera, Error, Light, LoadedScene, Scene, SceneSource, View, ViewError, World};
 
 use super::args::SceneArguments;
 use super::terminal;
 
+/// Vertical field of view in degrees of a camera given by `--eye`.
+const FIELD_OF_VIEW: f32 = 60.0;
+
 /// A loaded scene. No kernel has prepared it yet.
 pub(super) struct Loaded {
     pub(super) world: World,
-    pub(super) camera: Camera,
+    /// An error if the view gives no picture.
+    pub(super) camera: Result<Camera, Error>,
     pub(super) light: Light,
     pub(super) pool: rayon::ThreadPool,
 }
@@ -36,10 +40,12 @@ impl SceneArguments {
             progress.suspend(|| terminal::note(&format!("note: {}: {remark}", source.name())));
         }
         if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
-            view = View { eye, look_at, vertical_fov: self.fov, transform: None, light: view.light };
+            view = View { eye, look_at, vertical_fov: FIELD_OF_VIEW, transform: None, light: view.light };
         }
+        view.vertical_fov = self.fov.unwrap_or(view.vertical_fov);
         let (width, height) = self.size;
-        let camera = view.camera(width, height);
+        let in_scene = |error: ViewError| Error::Argument { argument: source.name(), message: error.to_string() };
+        let camera = view.check(&world).map(|()| view.camera(width, height)).map_err(in_scene);
         Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
     }
 }

@@ -6,7 +6,7 @@ use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::Task;
 use raylanes::study::{self, Progress};
-use raylanes::tracer::{self, Error};
+use raylanes::tracer::{self, Error, World};
 use serde::Serialize;
 
 use super::args::TraceArguments;
@@ -41,11 +41,14 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
     // A large mesh takes long to load, so the other arguments are checked before it.
     let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
     let kernels = scene.kernels()?;
-    let loaded = scene.load(progress)?;
+    let Loaded { world, camera, pool, .. } = scene.load(progress)?;
     let (width, height) = scene.size;
     let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
-    let rays = file_rays.unwrap_or_else(|| loaded.camera.rays(width, height));
-    let (result, mut hits) = kernels.run(Trace { kernels, arguments, loaded, rays, progress });
+    let rays = match file_rays {
+        Some(rays) => rays,
+        None => camera?.rays(width, height),
+    };
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, world, pool, rays, progress });
     if let Some(file) = &arguments.hits {
         if let Some(order) = picture_order {
             // The rays of a picture are traced in blocks; the file holds their hits row by row.
@@ -76,7 +79,8 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
 struct Trace<'a> {
     kernels: ChosenKernels,
     arguments: &'a TraceArguments,
-    loaded: Loaded,
+    world: World,
+    pool: rayon::ThreadPool,
     rays: Vec<Ray<f32>>,
     progress: &'a Progress,
 }
@@ -85,7 +89,7 @@ impl Task<Triangle> for Trace<'_> {
     type Output = (TraceResult, Vec<Hit<f32>>);
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, arguments, loaded: Loaded { world, pool, .. }, rays, progress } = self;
+        let Self { kernels, arguments, world, pool, rays, progress } = self;
         let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
         progress.note(&format!("{}: building", arguments.scene.scene));

@@ -55,8 +55,8 @@ mod walk;
 pub use crate::error::Error;
 pub use crate::files::{hold_writes, write_atomically};
 pub use image::{
-    Camera, Differences, Light, OCCLUSION_RAYS, Picture, Shade, Shot, View, block_order, compare, parse_point,
-    picture_hits, shade,
+    Camera, Differences, Light, OCCLUSION_RAYS, Picture, Shade, Shot, View, ViewError, block_order, compare,
+    parse_point, picture_hits, shade,
 };
 #[cfg(feature = "study")]
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, starts};

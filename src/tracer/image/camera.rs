@@ -1,6 +1,6 @@
 //! A pinhole camera, and the order in which its rays are traced.
 
-use glam::{Affine3, Vec3};
+use glam::{Affine3, DVec3, Vec3};
 
 use crate::geom::Ray;
 
@@ -21,9 +21,10 @@ impl Camera {
     /// A camera at `eye` that looks at `look_at`. In the picture, y points up; if the camera looks along y, z does.
     ///
     /// `vertical_fov` is the vertical field of view in degrees. `width` and `height` give the aspect ratio. If `eye`
-    /// and `look_at` are equal, the camera looks along -z.
+    /// and `look_at` are equal, the camera looks along -z; [`View::check`](super::View::check) refuses such a view.
     pub fn new(eye: Vec3, look_at: Vec3, vertical_fov: f32, width: u32, height: u32) -> Self {
-        let forward = (look_at - eye).normalize_or(Vec3::NEG_Z);
+        // In `f64` the square of the distance neither overflows nor vanishes.
+        let forward = (look_at.as_dvec3() - eye.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3();
         let world_up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
         let half_height = (vertical_fov.to_radians() * 0.5).tan();
         let right = forward.cross(world_up).normalize();

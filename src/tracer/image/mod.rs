@@ -1,6 +1,7 @@
 //! Pictures of a scene: camera, light, shading, comparison of two kernels.
 
 mod camera;
+mod check;
 mod compare;
 mod picture;
 mod secondary;
@@ -9,6 +10,7 @@ mod shot;
 mod view;
 
 pub use camera::{Camera, block_order};
+pub use check::ViewError;
 pub use compare::{Differences, compare};
 pub use picture::Picture;
 #[cfg(feature = "study")]

@@ -26,6 +26,12 @@ impl Picture {
         Self { width, height, pixels }
     }
 
+    /// The colours, row by row from the upper left: linear red, green and blue, from 0 to 1 where the light is not
+    /// brighter than that.
+    pub fn pixels(&self) -> &[Vec3] {
+        &self.pixels
+    }
+
     /// Writes a PNG file in sRGB, eight bits per channel. Colours outside 0 to 1 are clamped; NaN becomes 0.
     ///
     /// # Errors

@@ -34,7 +34,7 @@ impl View {
     /// high above, behind the camera.
     pub fn around(bounds: &Aabb) -> Self {
         const VERTICAL_FOV: f32 = 40.0;
-        let radius = bounds.extent().length() * 0.5;
+        let radius = (bounds.extent().as_dvec3().length() * 0.5) as f32;
         let distance = radius / (VERTICAL_FOV.to_radians() * 0.5).sin();
         let eye = bounds.center() + Vec3::new(0.5, 0.4, 1.0).normalize() * distance;
         let light = Light::Directional(Vec3::new(0.3, 1.0, 0.25));

@@ -13,7 +13,7 @@ use crate::kernels::Kernel;
 const ERROR: f64 = 8.0 / (1_u64 << 24) as f64;
 
 /// The least distance from the surface, relative to its size and place, also where the error bound is zero.
-const LEAST: f64 = 1.0 / (1_u64 << 30) as f64;
+const LEAST: f64 = 1.0 / (1_u64 << 50) as f64;
 
 /// The start of rays that leave a surface.
 #[derive(Clone, Copy, Debug)]

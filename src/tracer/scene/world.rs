@@ -1,6 +1,6 @@
 //! A world: geometries and their instances, before any kernel prepares them.
 
-use glam::{Affine2, Affine3, Vec2, Vec3};
+use glam::{Affine2, Affine3, BVec3, Vec2, Vec3};
 
 use crate::geom::{Aabb, Quadric};
 use crate::kernels::instance::Instance;
@@ -181,6 +181,18 @@ impl World {
     /// Number of geometries that are quadrics.
     pub fn quadrics(&self) -> usize {
         self.geometries.iter().filter(|geometry| matches!(geometry, Geometry::Quadric(_))).count()
+    }
+
+    /// A box around all instances. It may be off by rounding, so it serves only to place a camera.
+    pub(crate) fn bounds(&self) -> Aabb {
+        let object_bounds: Vec<_> = self.geometries.iter().map(Geometry::bounds).collect();
+        self.instances.iter().fold(Aabb::EMPTY, |bounds, placement| {
+            let Aabb { lo, hi } = object_bounds[placement.geometry as usize];
+            (0..8).fold(bounds, |bounds, corner| {
+                let corner = Vec3::select(BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0), hi, lo);
+                bounds.including(placement.object_to_world.transform_point3(corner))
+            })
+        })
     }
 
     /// Returns the geometries and the instances.
