@@ -66,13 +66,13 @@ pub(super) struct LineCount {
 
 impl LineCount {
     pub(super) fn add(&mut self, line: &Line<'_>) {
-        self.add_text(line.number, line.text);
+        self.add_with(line.number, || quoted(line.text));
     }
 
     /// Like [`LineCount::add`], but the warning shows `text` instead of the line.
-    pub(super) fn add_text(&mut self, line: usize, text: &[u8]) {
+    pub(super) fn add_with(&mut self, line: usize, text: impl FnOnce() -> String) {
         self.count += 1;
-        self.first.get_or_insert_with(|| (line, quoted(text)));
+        self.first.get_or_insert_with(|| (line, text()));
     }
 
     /// The warning, or `None` if no line was counted.

@@ -51,13 +51,15 @@ const IGNORED_KEYWORDS: [&[u8]; 28] = [
 pub(super) struct ObjLines {
     /// Number of vertices.
     pub(super) vertices: usize,
-    /// Number of triangles.
-    triangles: usize,
+    /// Number of faces.
+    faces: usize,
+    /// The line of each face with more than three corners.
+    pub(super) polygons: Vec<usize>,
     /// The largest index that a face used before its vertex was defined.
     forward: Option<ForwardIndex>,
     /// Material libraries.
     pub(super) libraries: Vec<UsedName>,
-    /// The materials that faces use, each with the number of its first triangle.
+    /// The materials that faces use, each with the number of its first face.
     materials: Vec<(usize, UsedName)>,
     /// Number of points, lines, curves and free-form surfaces.
     pub(super) ignored_elements: usize,
@@ -156,7 +158,10 @@ impl ObjLines {
             return Err(line.error("a face needs 3 vertices"));
         }
         checked.push(b'\n');
-        self.triangles += corners - 2;
+        self.faces += 1;
+        if corners > 3 {
+            self.polygons.push(line.number);
+        }
         Ok(())
     }
 
@@ -188,8 +193,8 @@ impl ObjLines {
 
     fn use_material(&mut self, material: UsedName) {
         // Drop the material before, if no face used it.
-        self.materials.pop_if(|(first_triangle, _)| *first_triangle == self.triangles);
-        self.materials.push((self.triangles, material));
+        self.materials.pop_if(|(first_face, _)| *first_face == self.faces);
+        self.materials.push((self.faces, material));
     }
 
     fn use_library(&mut self, library: UsedName) {
@@ -200,24 +205,27 @@ impl ObjLines {
     }
 
     /// The parts of the mesh: one per range of triangles with the same material. Warns of materials without definition.
+    /// `first_triangles` holds the first triangle of each face, and after the last face the number of triangles.
     pub(super) fn parts(
         &self,
-        triangles: usize,
+        first_triangles: &[usize],
         colors: &HashMap<String, Vec3>,
         file: &Path,
         warnings: &mut Vec<String>,
     ) -> Vec<Part> {
         let mut undefined = LineCount::default();
         let mut parts = vec![Part { first_triangle: 0, color: DEFAULT_COLOR }];
-        for (first_triangle, UsedName { name, line }) in &self.materials {
-            // The last material may have no faces. Mesh::new refuses more triangles than u32 can count.
-            let (true, Ok(first_triangle)) = (*first_triangle < triangles, u32::try_from(*first_triangle)) else {
+        for (first_face, UsedName { name, line }) in &self.materials {
+            // Mesh::new refuses more triangles than u32 can count.
+            let Ok(first_triangle) = u32::try_from(first_triangles[*first_face]) else { break };
+            if *first_face == self.faces {
+                // The last material has no faces.
                 break;
-            };
+            }
             let color = colors.get(name).copied().unwrap_or_else(|| {
                 // An empty name means no material.
                 if !name.is_empty() {
-                    undefined.add_text(*line, name.as_bytes());
+                    undefined.add_with(*line, || quoted(name.as_bytes()));
                 }
                 DEFAULT_COLOR
             });
