@@ -9,15 +9,17 @@
 //! | --- | --- |
 //! | `v x y z`, `v x y z w` | a vertex; `tobj` divides by the weight `w` |
 //! | `v x y z r g b`, `… a` | a vertex; its colour is ignored with a warning |
-//! | `f` with 3 or more vertices | a fan of triangles around the first vertex; for indices see below |
-//! | `usemtl`, `mtllib` | the diffuse colour of the material |
+//! | `f` with 3 or more vertices | triangles; a convex polygon becomes a fan around its first vertex ([`polygon`]) |
+//! | `usemtl`, `mtllib` | the diffuse colour of the material; `mtllib` takes one name with spaces, or several |
 //! | `p`, `l`, `curv`, `curv2`, `surf` | no surface; counted in [`ObjReport::ignored_elements`] |
 //! | normals, texture coordinates, groups, display attributes | ignored, with any content |
 //! | any other line | ignored with a warning |
 //!
 //! Negative indices count back from the line that they are in. Positive indices may refer to vertices that come later
-//! in the file. A backslash at the end of a line joins it with the next line, except in comments. Text need not be
-//! UTF-8.
+//! in the file. A backslash at the end of a line joins it with the next line, except in comments.
+//!
+//! Lines end with a line feed, a carriage return, or both. Text extends ASCII. It need not be UTF-8: other names are
+//! taken as Latin-1. UTF-16 is refused.
 
 mod geometry;
 mod line;
@@ -43,7 +45,8 @@ pub struct ObjReport {
     pub degenerate: usize,
     /// Number of points, lines, curves and free-form surfaces.
     pub ignored_elements: usize,
-    /// One line each: missing materials, unknown keywords, ignored colours.
+    /// One line for each kind: missing libraries or materials, polygons that cross themselves or are not flat, unknown
+    /// keywords, ignored or clamped colours. It names the first and counts the others.
     pub warnings: Vec<String>,
 }
 
@@ -62,7 +65,7 @@ pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
     let geometry = Geometry::new(&models, &lines.polygons);
 
     let mut warnings = Vec::new();
-    let colors = material::load_libraries(path, &lines.libraries, &mut warnings)?;
+    let colors = lines.libraries.load(path, &mut warnings)?;
     let parts = lines.parts(&geometry.first_triangles, &colors, path, &mut warnings);
     warnings.extend(geometry.warnings(path));
     warnings.extend(lines.colored_vertices.warning(path, "vertex colour ignored"));

@@ -14,7 +14,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use spade::handles::FixedVertexHandle;
 use spade::{
     ConstrainedDelaunayTriangulation, HasPosition, HierarchyHintGenerator, Intersection, LineIntersectionIterator,
@@ -52,12 +52,18 @@ pub(super) fn split(corners: &[Vec3]) -> (Vec<[usize; 3]>, Flaws) {
     if fan_covers_once(&spokes, normal) {
         return (fan(), Flaws { crossing: false, bent });
     }
-    let (x, y) = normal.any_orthonormal_pair();
-    let seen: Vec<_> = spokes.iter().map(|spoke| DVec2::new(spoke.dot(x), spoke.dot(y))).collect();
-    match delaunay(&seen) {
-        Some(inside) if !inside.is_empty() => (inside, Flaws { crossing: false, bent }),
+    match delaunay(&spokes, normal) {
+        Some(inside) if has_area(&inside, &spokes, newell) => (inside, Flaws { crossing: false, bent }),
         _ => (fan(), Flaws { crossing: true, bent }),
     }
+}
+
+/// Whether the triangles have the area of the polygon, in every direction. Parts of a bent polygon may be hidden when
+/// it is seen along its normal.
+fn has_area(triangles: &[[usize; 3]], spokes: &[DVec3], newell: DVec3) -> bool {
+    let corners = triangles.iter().map(|triangle| triangle.map(|corner| spokes[corner]));
+    let area: DVec3 = corners.map(|[a, b, c]| (b - a).cross(c - a)).sum();
+    (area - newell).length() <= MAX_THICKNESS * newell.length()
 }
 
 /// The corners relative to the first one, in units of the largest coordinate. The difference is exact in `f64` unless
@@ -127,15 +133,17 @@ impl HasPosition for Corner {
     }
 }
 
-/// The triangles inside a polygon in the plane, counter-clockwise as the polygon is. `None` if it crosses itself or
+/// The triangles inside a polygon, seen along its normal. They turn as the polygon does. `None` if it crosses itself or
 /// winds around some point other than once.
-fn delaunay(polygon: &[DVec2]) -> Option<Vec<[usize; 3]>> {
-    let position = |corner: DVec2| {
-        let [x, y] = corner.to_array().map(|number| if number.abs() < SMALLEST { 0.0 } else { number });
+fn delaunay(polygon: &[DVec3], normal: DVec3) -> Option<Vec<[usize; 3]>> {
+    let (x, y) = normal.any_orthonormal_pair();
+    let position = |corner: DVec3| {
+        let [x, y] =
+            [x, y].map(|axis| corner.dot(axis)).map(|number| if number.abs() < SMALLEST { 0.0 } else { number });
         Point2::new(x, y)
     };
-    // Corners and edges in the order of the outline would take quadratic time on some polygons, and so do the bulk loads
-    // of spade. The order must not be random, since it decides between equal diagonals.
+    // Corners and edges in the order of the outline would take quadratic time on some polygons, and so do the bulk
+    // loads of spade. The order must not differ from run to run, since it decides between equal diagonals.
     let mut order: Vec<_> = (0..polygon.len()).collect();
     order.sort_unstable_by_key(|&number| shuffled(number as u64));
     let mut mesh = Delaunay::new();
@@ -143,11 +151,17 @@ fn delaunay(polygon: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     let mut places = HashMap::new();
     let mut vertices = vec![FixedVertexHandle::from_index(0); polygon.len()];
     for &number in &order {
-        let position = position(polygon[number]);
-        vertices[number] = match places.entry([position.x.to_bits(), position.y.to_bits()]) {
+        vertices[number] = match places.entry((polygon[number] + 0.0).to_array().map(f64::to_bits)) {
             Entry::Occupied(vertex) => *vertex.get(),
-            Entry::Vacant(place) => *place.insert(mesh.insert(Corner { number, position }).ok()?),
+            Entry::Vacant(place) => {
+                let position = position(polygon[number]);
+                *place.insert(mesh.insert(Corner { number, position }).ok()?)
+            }
         };
+    }
+    if mesh.num_vertices() < places.len() {
+        // One corner hides another.
+        return None;
     }
     let edge = |&number: &usize| [vertices[number], vertices[(number + 1) % polygon.len()]];
     let edges = || order.iter().map(edge).filter(|[from, to]| from != to);
