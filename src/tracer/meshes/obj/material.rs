@@ -67,7 +67,9 @@ impl UsedLibraries {
             if loader.exists.get(name) != Some(&true) {
                 // Removed, so that it is counted once.
                 let is_missing = |word: &&[u8]| loader.exists.remove(*word) == Some(false);
-                words(name).filter(is_missing).for_each(|word| missing.add_with(*line, || quoted(word)));
+                words(name)
+                    .filter(is_missing)
+                    .for_each(|word| missing.add_with(*line, || quoted(decode(word).as_bytes())));
             }
         }
         warnings.extend(missing.warning(obj, "material library not found"));

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use glam::{DVec3, Vec3};
-use spade::handles::FixedVertexHandle;
+use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
 use spade::{
     ConstrainedDelaunayTriangulation, HasPosition, HierarchyHintGenerator, Intersection, LineIntersectionIterator,
     Point2, Triangulation,
@@ -187,7 +187,7 @@ fn delaunay(polygon: &[DVec3], normal: DVec3) -> Option<Vec<[usize; 3]>> {
     let mut windings = vec![None; mesh.num_all_faces()];
     windings[mesh.outer_face().fix().index()] = Some(0);
     let mut inside = Vec::new();
-    let mut border: Vec<_> = mesh.directed_edges().filter(|edge| edge.is_outer_edge()).collect();
+    let mut border: Vec<_> = mesh.directed_edges().filter(DirectedEdgeHandle::is_outer_edge).collect();
     while let Some(edge) = border.pop() {
         let inwards = edge.rev();
         let Some(face) = inwards.face().as_inner() else { continue };
