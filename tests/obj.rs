@@ -414,7 +414,7 @@ fn libraries_are_read_once_and_the_missing_ones_are_one_note() {
         // Longer than any file name.
         format!("mtllib{}\n", " a.mtl b.mtl".repeat(1000)),
     ] {
-        assert_eq!(load(&libraries), expected, "{:.60}", libraries);
+        assert_eq!(load(&libraries), expected, "{libraries:.60}");
     }
     assert_eq!(load("mtllib b.mtl a.mtl\n").0, [Vec3::X, Vec3::Z, Vec3::X]);
 
