@@ -1,6 +1,7 @@
 //! Tests of the loader of OBJ and MTL files: what it reads, which files it refuses with which message, and that it
 //! never panics.
 
+mod faces;
 mod files;
 mod random;
 
@@ -11,6 +12,7 @@ use glam::Vec3;
 use raylanes::geom::Aabb;
 use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
 
+use faces::{faces, triangles_per_face};
 use files::{Files, is_short_line, mutate};
 use random::Random;
 
@@ -43,10 +45,129 @@ const D: Vec3 = Vec3::new(1.0, 1.0, 0.0);
 
 #[test]
 fn faces_become_fans_in_file_order() {
-    let loaded = mesh(format!("{VERTICES}f 1 2 3\nf 1 2 4 3\nv 2 2 0\nf 5 4 3 1 2\n"));
-    let e = Vec3::new(2.0, 2.0, 0.0);
-    assert_eq!(vertices(&loaded), [[A, B, C], [A, B, D], [A, D, C], [e, D, C], [e, C, A], [e, A, B]]);
-    assert_eq!(loaded.positions().len(), 5);
+    let loaded = mesh(format!("{VERTICES}f 1 2 3\nf 1 2 4 3\nv 2 2 0\nv 0.5 -1 0\nf 5 3 1 6 2\n"));
+    let (e, f) = (Vec3::new(2.0, 2.0, 0.0), Vec3::new(0.5, -1.0, 0.0));
+    assert_eq!(vertices(&loaded), [[A, B, C], [A, B, D], [A, D, C], [e, C, A], [e, A, f], [e, f, B]]);
+    assert_eq!(loaded.positions().len(), 6);
+}
+
+/// An OBJ file of one polygon.
+fn polygon(corners: &[[f32; 2]]) -> String {
+    let vertices: String = corners.iter().map(|[x, y]| format!("v {x} {y} 0\n")).collect();
+    let face: String = (1..=corners.len()).map(|corner| format!(" {corner}")).collect();
+    format!("{vertices}f{face}\n")
+}
+
+/// Twice the area of each triangle, positive if it is counter-clockwise.
+fn double_areas(mesh: &Mesh) -> Vec<f32> {
+    mesh.iter().map(|triangle| (triangle.v1 - triangle.v0).cross(triangle.v2 - triangle.v0).z).collect()
+}
+
+#[test]
+fn concave_polygons_are_covered_exactly() {
+    let cases: [(&str, &[[f32; 2]], usize, f32); 7] = [
+        ("dart", &[[4.0, 0.0], [1.0, 1.0], [0.0, 4.0], [0.0, 0.0]], 2, 8.0),
+        ("L", &[[3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0], [0.0, 0.0]], 4, 10.0),
+        ("arrow", &[[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.0, 2.0]], 2, 12.0),
+        // All ten corners of a square with a hole, which a cut joins to the outline.
+        (
+            "hole",
+            &[
+                [0.0, 0.0],
+                [4.0, 0.0],
+                [4.0, 4.0],
+                [0.0, 4.0],
+                [0.0, 0.0],
+                [1.0, 1.0],
+                [1.0, 2.0],
+                [2.0, 2.0],
+                [2.0, 1.0],
+                [1.0, 1.0],
+            ],
+            8,
+            30.0,
+        ),
+        ("two parts that touch", &[[0.0, 0.0], [2.0, 2.0], [4.0, 0.0], [4.0, 4.0], [2.0, 2.0], [0.0, 4.0]], 2, 16.0),
+        ("a corner on an edge", &[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 0.0], [0.0, 4.0]], 2, 16.0),
+        (
+            "a spike without area",
+            &[[4.0, 0.0], [1.0, 1.0], [0.0, 4.0], [0.0, 9.0], [0.0, 4.0], [0.0, 0.0], [0.0, 0.0]],
+            2,
+            8.0,
+        ),
+    ];
+    for (name, corners, triangles, double_area) in cases {
+        let loaded = mesh(polygon(corners));
+        assert_eq!(loaded.len(), triangles, "{name}");
+        let areas = double_areas(&loaded);
+        assert!(areas.iter().all(|&area| area > 0.0), "{name}: {areas:?}");
+        assert_eq!(areas.iter().sum::<f32>(), double_area, "{name}");
+        // Seen from the other side.
+        let reversed: Vec<_> = corners.iter().copied().rev().collect();
+        assert_eq!(double_areas(&mesh(polygon(&reversed))).iter().sum::<f32>(), -double_area, "{name}");
+    }
+}
+
+#[test]
+fn materials_keep_to_their_faces_where_polygons_have_fewer_triangles() {
+    let files = Files::new();
+    files.write("x.mtl", "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
+    // The first face has six corners, but only two triangles.
+    let touching = polygon(&[[0.0, 0.0], [2.0, 2.0], [4.0, 0.0], [4.0, 4.0], [2.0, 2.0], [0.0, 4.0]]);
+    let text =
+        format!("mtllib x.mtl\nusemtl red\n{touching}usemtl green\nf 1 2 6\nusemtl red\nf 2 3 4\nusemtl green\n");
+    let (mesh, report) = load_obj(&files.write("x.obj", text)).unwrap();
+    let colors: Vec<_> = (0..mesh.len() as u32).map(|primitive| mesh.color(primitive)).collect();
+    assert_eq!((colors, report.warnings), (vec![Vec3::X, Vec3::X, Vec3::Y, Vec3::X], vec![]));
+}
+
+#[test]
+fn polygons_without_an_obvious_surface_are_reported_once() {
+    let files = Files::new();
+    let text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nv 1 1 0.001\n\
+                f 1 2 3 4\nf 1 2 4 3\nf 1 2 3 5\nf 1 2 3 6\nf 2 4 1 3\n\nf 1 5 3 4\nf 1 2 1 2\nf 1 2 3 4 1 2 3 4\n";
+    let (mesh, report) = load_obj(&files.write("x.obj", text)).unwrap();
+    // A fan each.
+    assert_eq!((mesh.len(), report.degenerate), (7 * 2 + 6, 4));
+    let warnings: Vec<_> = report.warnings.iter().map(|warning| files.shorten(warning)).collect();
+    assert_eq!(
+        warnings,
+        [
+            "x.obj:8: polygon crosses itself, so its triangles may reach outside: 4 corners (and 2 more)",
+            "x.obj:9: polygon is not flat, so its surface depends on how it is split: 4 corners (and 1 more)",
+        ]
+    );
+}
+
+#[test]
+fn a_bent_polygon_keeps_all_of_its_surface() {
+    // Its normal is (-0.25, -1, 0). Seen along it, the part in the plane z = 0 is only a line.
+    let text = "v 1 1 0\nv 0 1 0\nv 0.25 0.25 0\nv 5 0 0\nv 0.5 0 0.25\nf 1 2 3 4 5\n";
+    let (mesh, report) = load_text(text).unwrap();
+    assert_eq!((mesh.len(), report.warnings.len()), (3, 2));
+    // Seen along the normal of this one, the first vertex hides the third.
+    let text = "v 0 1 0\nv 0.5 0 0.25\nv 1 1 0\nv 0.5 0.25 0\nv 0 0 0\nf 1 2 3 4 5\n";
+    let (mesh, report) = load_text(text).unwrap();
+    assert_eq!((mesh.len(), report.warnings.len()), (3, 2));
+}
+
+#[test]
+fn polygons_of_many_corners_are_split() {
+    const CORNERS: usize = 20_000;
+    let angle = |corner: usize| (corner as f32 / CORNERS as f32 * std::f32::consts::TAU).sin_cos();
+    let circle: Vec<_> = (0..CORNERS).map(angle).map(|(sin, cos)| [cos, sin]).collect();
+    let star = |corner: usize| [1.0, 0.5][corner % 2];
+    let star: Vec<_> = (0..CORNERS).map(|corner| circle[corner].map(|x| x * star(corner))).collect();
+    let stretched: Vec<_> = star.iter().map(|[x, y]| [x * 0.75, y + x]).collect();
+    let comb = (0..CORNERS - 2).map(|corner| [corner as f32, [0.0, 1000.0][corner % 2]]).rev();
+    let comb: Vec<_> = [[0.0, -1.0], [CORNERS as f32, -1.0]].into_iter().chain(comb).collect();
+    for corners in [circle, star, stretched, comb] {
+        let loaded = mesh(polygon(&corners));
+        assert_eq!(loaded.len(), CORNERS - 2);
+        assert!(double_areas(&loaded).iter().all(|&area| area >= -1e-6));
+    }
+    let places: Vec<_> = (0..CORNERS).map(|corner| [(corner % 3) as f32, (corner % 3 / 2) as f32]).collect();
+    assert_eq!(load_text(polygon(&places)).unwrap().1.warnings.len(), 1);
 }
 
 #[test]
@@ -74,6 +195,56 @@ fn every_form_of_line_is_read() {
     for form in forms {
         assert_eq!(vertices(&mesh(form)), expected, "{}", String::from_utf8_lossy(form));
     }
+}
+
+#[test]
+fn every_line_break_ends_a_line() {
+    let lines = ["# head", "v 0 0 5", "v 1 0 5", "v 0 1 5", "v 1 1 5", "f 1 2 3", "f 1 2 x"];
+    for (line_break, counts) in [("\n", true), ("\r", true), ("\r\n", true), ("\x0c", false), ("\x0b", false)] {
+        let loaded = mesh(lines[..6].join(line_break));
+        let z = Vec3::Z * 5.0;
+        assert_eq!(vertices(&loaded), [[A + z, B + z, C + z]], "{line_break:?}");
+        // An error names the line that an editor shows.
+        let line = if counts { 7 } else { 1 };
+        let message = format!("x.obj:{line}: face index is not a whole number: \"f 1 2 x\"");
+        assert_eq!(error(lines.join(line_break)), message, "{line_break:?}");
+    }
+    // Mixed, with a backslash before each kind, and a break at the end of each read of 8 KiB.
+    let mixed = "# head\rv 0 0 0\r\nv 1 0 \\\r0\nv 0 \\\r\n1 0\r\r\n\x0c\nf 1 \\\n2 3\r\r\nf 1 2 x";
+    assert_eq!(error(mixed), "x.obj:12: face index is not a whole number: \"f 1 2 x\"");
+    for comment in 8180..8200 {
+        let text = format!("#{}\r\nv 0 0 0\rv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 x\r\n", "-".repeat(comment));
+        assert_eq!(error(text), "x.obj:6: face index is not a whole number: \"f 1 2 x\"", "{comment}");
+    }
+}
+
+#[test]
+fn text_in_wide_characters_is_refused_by_name() {
+    let text = format!("\u{feff}{VERTICES}f 1 2 3\n");
+    let utf_16 = |to_bytes: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(to_bytes).collect::<Vec<_>>();
+    let utf_32 = |to_bytes: fn(u32) -> [u8; 4]| text.chars().flat_map(|c| to_bytes(c.into())).collect::<Vec<_>>();
+    let (little, big) = (utf_16(u16::to_le_bytes), utf_16(u16::to_be_bytes));
+    let (long_little, long_big) = (utf_32(u32::to_le_bytes), utf_32(u32::to_be_bytes));
+    for (bytes, name) in [
+        (&little[..], "UTF-16LE"),
+        (&little[2..], "UTF-16LE"),
+        (&big[..], "UTF-16BE"),
+        (&big[2..], "UTF-16BE"),
+        (&long_little[..], "UTF-32LE"),
+        (&long_big[..], "UTF-32BE"),
+    ] {
+        let message = format!("x.obj:1: the text is {name}, expected UTF-8; iconv -f {name} -t UTF-8 converts it");
+        assert_eq!(error(bytes), message);
+    }
+    // Joined files may have a byte order mark in the middle.
+    assert_eq!(vertices(&mesh(text.replace("v 0 1 0", "\u{feff}v 0 1 0"))), [[A, B, C]]);
+}
+
+#[test]
+fn a_name_in_shift_jis_does_not_swallow_the_next_line() {
+    // The second byte of the second letter is a backslash.
+    let text = [VERTICES.as_bytes(), b"g \x88\xca\x95\x5c\nf 1 2 3\n# \x95\x5c\nf 1 2 4\n"].concat();
+    assert_eq!(vertices(&mesh(text)), [[A, B, C], [A, B, D]]);
 }
 
 #[test]
@@ -192,6 +363,71 @@ fn materials_color_the_triangles() {
 }
 
 #[test]
+fn names_in_latin_1_stay_apart_and_match_utf_8() {
+    let files = Files::new();
+    files.write("x.mtl", b"newmtl \xe8\nKd 1 0 0\nnewmtl \xe9\nKd 0 1 0\n");
+    let text = [b"mtllib x.mtl\n", VERTICES.as_bytes(), b"usemtl \xe8\nf 1 2 3\nusemtl \xc3\xa9\nf 1 2 4\n"].concat();
+    let (mesh, report) = load_obj(&files.write("x.obj", text)).unwrap();
+    assert_eq!(([mesh.color(0), mesh.color(1)], report.warnings), ([Vec3::X, Vec3::Y], vec![]));
+}
+
+#[test]
+fn libraries_are_found_under_their_name_in_either_encoding() {
+    let load = |library: &[u8], name: &[u8]| {
+        let files = Files::new();
+        #[cfg(unix)]
+        let file = <std::ffi::OsStr as std::os::unix::ffi::OsStrExt>::from_bytes(library);
+        #[cfg(not(unix))]
+        let file = String::from_utf8_lossy(library).into_owned();
+        fs::create_dir(files.path("in")).unwrap();
+        fs::write(files.path("").join(file), "newmtl a\nKd 1 0 0\n").unwrap();
+        let text = [b"mtllib ", name, b"\nusemtl a\n", VERTICES.as_bytes(), b"f 1 2 3\n"].concat();
+        load_obj(&files.write("x.obj", text)).unwrap().0.color(0)
+    };
+    assert_eq!(load(b"in/a b.mtl", b"in\\a b.mtl"), Vec3::X);
+    assert_eq!(load(b"\xc3\xa9.mtl", b"\xc3\xa9.mtl"), Vec3::X);
+    assert_eq!(load(b"\xc3\xa9.mtl", b"\xe9.mtl"), Vec3::X);
+    if cfg!(target_os = "linux") {
+        assert_eq!(load(b"\xe9.mtl", b"\xe9.mtl"), Vec3::X);
+    }
+}
+
+#[test]
+fn libraries_are_read_once_and_the_missing_ones_are_one_note() {
+    let files = Files::new();
+    files.write("a.mtl", "newmtl a\nKd 9 0 0\nnewmtl both\nKd 9 0 0\n");
+    files.write("b.mtl", "newmtl b\nKd 0 0 9\nnewmtl both\nKd 0 0 9\n");
+    let load = |libraries: &str| {
+        let text = format!("{libraries}{VERTICES}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl both\nf 1 2 3\n");
+        let (mesh, report) = load_obj(&files.write("x.obj", text)).unwrap();
+        let warnings: Vec<_> = report.warnings.iter().map(|warning| files.shorten(warning)).collect();
+        ([mesh.color(0), mesh.color(1), mesh.color(2)], warnings)
+    };
+    // Each library has two colours to clamp. So the count of clamped colours tells how often they were read.
+    let clamped = |library| format!("{library}.mtl:2: colour clamped to 0..1: \"Kd 9 0 0\" (and 3 more)");
+    let expected = ([Vec3::X, Vec3::Z, Vec3::Z], vec![clamped("a")]);
+    for libraries in [
+        "mtllib a.mtl\nmtllib b.mtl\n".repeat(10_000),
+        "mtllib a.mtl b.mtl\n".into(),
+        "mtllib b.mtl \\\n a.mtl \\\n b.mtl\nmtllib\n".into(),
+        "mtllib a.mtl b.mtl\nmtllib b.mtl a.mtl\nmtllib b.mtl\n".into(),
+        // Longer than any file name.
+        format!("mtllib{}\n", " a.mtl b.mtl".repeat(1000)),
+    ] {
+        assert_eq!(load(&libraries), expected, "{libraries:.60}");
+    }
+    assert_eq!(load("mtllib b.mtl a.mtl\n").0, [Vec3::X, Vec3::Z, Vec3::X]);
+
+    let many: String = (0..20_000).map(|library| format!("mtllib {library}.mtl a.mtl\nmtllib b.mtl\n")).collect();
+    let missing = "x.obj:1: material library not found: \"0.mtl\" (and 19999 more)".to_owned();
+    assert_eq!(load(&many), (expected.0, vec![missing, clamped("a")]));
+    let name = "x".repeat(5000);
+    let (_, warnings) = load(&format!("mtllib {name}\nmtllib a.mtl\0\n"));
+    assert!(warnings[0].contains("not found") && warnings[0].ends_with(" (and 1 more)"), "{warnings:?}");
+    assert!(is_short_line(&warnings[0]));
+}
+
+#[test]
 fn colors_outside_0_to_1_are_clamped_with_a_warning() {
     let files = Files::new();
     files.write("x.mtl", "newmtl a\nKd 2 -1 0.5\n");
@@ -218,6 +454,9 @@ fn broken_material_files_are_refused() {
         let error = files.shorten(&load_obj(&obj).unwrap_err().to_string());
         assert_eq!(error, format!("x.mtl:3: {message}: \"{line}\""));
     }
+    files.write("x.mtl", b"n\0e\0w\0");
+    let error = files.shorten(&load_obj(&obj).unwrap_err().to_string());
+    assert!(error.starts_with("x.mtl:1: the text is UTF-16LE"), "{error}");
     files.write("x.mtl", "Kd 1 1 1\n");
     let error = load_obj(&obj).unwrap_err().to_string();
     assert_eq!(files.shorten(&error), "x.mtl:1: colour comes before the first newmtl: \"Kd 1 1 1\"");
@@ -229,8 +468,14 @@ fn broken_material_files_are_refused() {
 }
 
 /// Pieces of text with a meaning in OBJ and MTL files.
-const PIECES: [&str; 24] = [
+const PIECES: [&str; 30] = [
     "\n",
+    "\x0b",
+    "\x0c",
+    "\\",
+    "1 2 3 4 ",
+    "f 1 2 4 3 5\n",
+    "v 0.5 0.25 0\n",
     " ",
     "\\\n",
     "#",
@@ -256,24 +501,47 @@ const PIECES: [&str; 24] = [
     "\u{feff}",
 ];
 
+/// Checks that a mesh is that of the text, where a face without a known material is grey.
+fn assert_is_mesh_of(text: &[u8], mesh: &Mesh, report: &ObjReport, color: impl Fn(&str) -> Vec3) {
+    let faces = faces(text);
+    let triangles: Vec<_> = mesh.iter().collect();
+    let overlap = report.warnings.iter().any(|warning| warning.contains("crosses itself"));
+    let counts = triangles_per_face(&triangles, &faces, overlap);
+    let counts = counts.unwrap_or_else(|| panic!("{:?}: {triangles:?} {report:?}", String::from_utf8_lossy(text)));
+    let materials = faces.iter().zip(counts).flat_map(|(face, count)| std::iter::repeat_n(&face.material, count));
+    for (material, primitive) in materials.zip(0..) {
+        let found = mesh.color(primitive);
+        assert!(found == color(material) || found == GREY, "{material:?}: {:?}", String::from_utf8_lossy(text));
+    }
+}
+
 #[test]
-fn corrupted_files_neither_panic_nor_make_invalid_meshes() {
+fn corrupted_files_neither_panic_nor_make_wrong_meshes() {
     const OBJ: &str = "mtllib x.mtl\no a\nv 0 0 0\nv 1 0 0.5 2\nv 0 1e0 0 1 1 1\nv 1 1 0\nvn 0 0 1\nusemtl red\n\
-                       f 1//1 2//1 3//1\nusemtl blue\nf -4 -3 -1 \\\n-2\nl 1 2\nf 4 3 2 1 2\n";
+                       f 1//1 2//1 3//1\nusemtl blue\nf -4 -3 -1 \\\n-2\nl 1 2\nv 0.25 0.25 0\nusemtl red\n\
+                       f 4 3 5 1 2\nf 3 5 2 4 \n";
     const MTL: &str = "# colours\nnewmtl red\nKd 1 0 0.25\nillum 2\nnewmtl blue\nKd .5\n";
     let files = Files::new();
     let mut random = Random(1);
     let (mut loaded, mut refused) = (0, 0);
     for _ in 0..20_000 {
-        let obj = files.write("x.obj", mutate(OBJ, &PIECES, &mut random));
-        let mtl =
-            files.write("x.mtl", if random.below(2) == 0 { mutate(MTL, &PIECES, &mut random) } else { MTL.into() });
+        let text = mutate(OBJ, &PIECES, &mut random);
+        let obj = files.write("x.obj", &text);
+        let is_intact = random.below(2) == 0;
+        let mtl = files.write("x.mtl", if is_intact { MTL.into() } else { mutate(MTL, &PIECES, &mut random) });
         match load_obj(&obj) {
             Ok((mesh, report)) => {
                 loaded += 1;
                 assert!(mesh.iter().flat_map(|triangle| triangle.vertices()).all(Vec3::is_finite));
                 assert!((0..mesh.len() as u32).all(|primitive| mesh.color(primitive).max_element() <= 1.0));
                 assert!(report.warnings.iter().all(|warning| is_short_line(warning)), "{report:?}");
+                if is_intact {
+                    assert_is_mesh_of(&text, &mesh, &report, |material| match material {
+                        "red" => Vec3::new(1.0, 0.0, 0.25),
+                        "blue" => Vec3::splat(0.5),
+                        _ => GREY,
+                    });
+                }
             }
             Err(error) => {
                 refused += 1;

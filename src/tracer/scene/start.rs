@@ -35,35 +35,36 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let transform = &placement.object_to_world;
         let (linear, translation) = (transform.matrix3.as_dmat3(), transform.translation.as_dvec3());
         let to_object = linear.inverse();
-        let (mut point, mut normal, ..) = self.exact_surface(ray, hit);
+        let (_, mut normal, ..) = self.exact_surface(ray, hit);
         if normal.dot(ray.dir.as_dvec3()) > 0.0 {
             normal = -normal;
         }
         let geometry = &self.world().geometries()[placement.geometry as usize];
-        // How far a point is above the surface on the seen side. The rounded point may have moved along the surface, so
-        // on a curved one the tangent plane does not tell.
-        let height = |of: DVec3, point: DVec3| match geometry {
-            Geometry::Mesh(_) => (of - point).dot(normal),
+        // What the surface is made of: vertices, or the place of the quadric.
+        let anchors = match geometry {
+            Geometry::Mesh(mesh) => {
+                let vertices = mesh.triangle(hit.primitive - self.first_primitive(hit.instance)).vertices();
+                vertices.map(|vertex| linear * vertex.as_dvec3() + translation)
+            }
+            Geometry::Quadric(_) => [translation; 3],
+        };
+        // How far a point is above the surface on the seen side. Rounding also moves a point along the surface, so on a
+        // curved one the tangent plane does not tell.
+        let height = |point: DVec3| match geometry {
+            Geometry::Mesh(_) => (point - anchors[0]).dot(normal),
             Geometry::Quadric(quadric) => {
-                let in_object = to_object * (of - translation);
+                let in_object = to_object * (point - translation);
                 value(quadric, in_object) / (to_object.transpose() * gradient(quadric, in_object)).dot(normal)
             }
         };
-        // From the point to what the surface is made of.
-        let parts = match geometry {
-            Geometry::Mesh(mesh) => {
-                let vertices = mesh.triangle(hit.primitive - self.first_primitive(hit.instance)).vertices();
-                vertices.map(|vertex| linear * vertex.as_dvec3() + translation - point)
-            }
-            Geometry::Quadric(_) => {
-                // The hit's `t` is rounded. A step along the normal brings the point to the surface.
-                let step = height(point, point);
-                if step.is_finite() {
-                    point -= normal * step;
-                }
-                [point - translation; 3]
-            }
-        };
+        // Both `t` and the barycentrics are rounded. In a large triangle `t` is more precise. A step along the normal
+        // brings the point to the surface.
+        let mut point = ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(hit.t);
+        let step = height(point);
+        if step.is_finite() {
+            point -= normal * step;
+        }
+        let parts = anchors.map(|anchor| anchor - point);
         // The products with the normal that an intersection sums up.
         let terms = |vector: DVec3| normal.abs().dot(vector.abs());
         let mut error = parts.into_iter().map(terms).fold(0.0, f64::max);
@@ -79,7 +80,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         loop {
             let start = (point + normal * offset).as_vec3();
             // A surface without a normal, or with one beyond the range of numbers: nothing is better.
-            if height(start.as_dvec3(), point) > needed || !(offset < size) {
+            if height(start.as_dvec3()) > needed || !(offset < size) {
                 return Start { point: start, normal: normal.as_vec3() };
             }
             offset *= 2.0;

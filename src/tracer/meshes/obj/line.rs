@@ -1,5 +1,6 @@
 //! One line of a text file: its words, its numbers, and errors and warnings that name it.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, quoted};
@@ -31,9 +32,8 @@ impl<'a> Line<'a> {
     }
 
     /// Everything after the keyword, because a name may contain spaces and `#`.
-    pub(super) fn name(&self) -> String {
-        let rest = self.text.strip_prefix(self.keyword()).unwrap_or_default();
-        String::from_utf8_lossy(rest).trim().to_owned()
+    pub(super) fn name(&self) -> &'a [u8] {
+        self.text.strip_prefix(self.keyword()).unwrap_or_default().trim_ascii()
     }
 
     /// Parses a finite number. `what` names the number in error messages.
@@ -57,6 +57,14 @@ impl<'a> Line<'a> {
     }
 }
 
+/// Decodes a name. Older programs write Latin-1, which is hardly ever valid UTF-8.
+pub(super) fn decode(name: &[u8]) -> Cow<'_, str> {
+    match str::from_utf8(name) {
+        Ok(name) => Cow::Borrowed(name),
+        Err(_) => Cow::Owned(name.iter().copied().map(char::from).collect()),
+    }
+}
+
 /// Counts lines of one kind and keeps the first, so that a million of them give one warning.
 #[derive(Debug, Default)]
 pub(super) struct LineCount {
@@ -66,13 +74,22 @@ pub(super) struct LineCount {
 
 impl LineCount {
     pub(super) fn add(&mut self, line: &Line<'_>) {
-        self.add_text(line.number, line.text);
+        self.add_with(line.number, || quoted(line.text));
     }
 
     /// Like [`LineCount::add`], but the warning shows `text` instead of the line.
-    pub(super) fn add_text(&mut self, line: usize, text: &[u8]) {
+    pub(super) fn add_with(&mut self, line: usize, text: impl FnOnce() -> String) {
         self.count += 1;
-        self.first.get_or_insert_with(|| (line, quoted(text)));
+        self.first.get_or_insert_with(|| (line, text()));
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Adds the lines of a file that is named later.
+    pub(super) fn followed_by(self, later: &Self) -> Self {
+        Self { count: self.count + later.count, ..self }
     }
 
     /// The warning, or `None` if no line was counted.

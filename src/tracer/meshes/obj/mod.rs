@@ -9,25 +9,28 @@
 //! | --- | --- |
 //! | `v x y z`, `v x y z w` | a vertex; `tobj` divides by the weight `w` |
 //! | `v x y z r g b`, `… a` | a vertex; its colour is ignored with a warning |
-//! | `f` with 3 or more vertices | a fan of triangles around the first vertex; for indices see below |
-//! | `usemtl`, `mtllib` | the diffuse colour of the material |
+//! | `f` with 3 or more vertices | triangles; a convex polygon becomes a fan around its first vertex ([`polygon`]) |
+//! | `usemtl`, `mtllib` | the diffuse colour of the material; `mtllib` takes one name with spaces, or several |
 //! | `p`, `l`, `curv`, `curv2`, `surf` | no surface; counted in [`ObjReport::ignored_elements`] |
 //! | normals, texture coordinates, groups, display attributes | ignored, with any content |
 //! | any other line | ignored with a warning |
 //!
 //! Negative indices count back from the line that they are in. Positive indices may refer to vertices that come later
-//! in the file. A backslash at the end of a line joins it with the next line, except in comments. Text need not be
-//! UTF-8.
+//! in the file. A backslash at the end of a line joins it with the next line, except in comments.
+//!
+//! Lines end with a line feed, a carriage return, or both. Text extends ASCII. It need not be UTF-8: other names are
+//! taken as Latin-1. UTF-16 is refused.
 
+mod geometry;
 mod line;
 mod material;
 mod obj_lines;
+mod polygon;
 mod reader;
 
 use std::path::Path;
 
-use glam::Vec3;
-
+use self::geometry::Geometry;
 use self::obj_lines::ObjLines;
 use self::reader::CheckedReader;
 use super::mesh::Mesh;
@@ -42,7 +45,8 @@ pub struct ObjReport {
     pub degenerate: usize,
     /// Number of points, lines, curves and free-form surfaces.
     pub ignored_elements: usize,
-    /// One line each: missing materials, unknown keywords, ignored colours.
+    /// One line for each kind: missing libraries or materials, polygons that cross themselves or are not flat, unknown
+    /// keywords, ignored or clamped colours. It names the first and counts the others.
     pub warnings: Vec<String>,
 }
 
@@ -53,31 +57,23 @@ pub struct ObjReport {
 /// # Errors
 /// If a file cannot be read, if a line is not valid, or if there are no triangles.
 pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
+    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
     let mut reader = CheckedReader::open(path, ObjLines::default())?;
     // The reader passes no objects, groups or materials on. So tobj makes one model, and its faces share vertices.
     let parsed = tobj::load_obj_buf(&mut reader, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     let ((models, _), lines) = reader.finish(parsed)?;
-    let (positions, triangles) = geometry(&models);
+    let geometry = Geometry::new(&models, &lines.polygons);
 
     let mut warnings = Vec::new();
-    let colors = material::load_libraries(path, &lines.libraries, &mut warnings)?;
-    let parts = lines.parts(triangles.len(), &colors, path, &mut warnings);
+    let colors = lines.libraries.load(path, &mut warnings)?;
+    let parts = lines.parts(&geometry.first_triangles, &colors, path, &mut warnings);
+    warnings.extend(geometry.warnings(path));
     warnings.extend(lines.colored_vertices.warning(path, "vertex colour ignored"));
     warnings.extend(lines.unknown_keywords.warning(path, "unknown keyword, line ignored"));
 
-    let mesh = Mesh::new(positions, triangles, parts).map_err(|error| Error::in_file(path, error.to_string()))?;
+    let mesh = Mesh::new(geometry.positions, geometry.triangles, parts)
+        .map_err(|error| Error::in_file(path, error.to_string()))?;
     let degenerate = mesh.degenerate_triangles();
     let report = ObjReport { vertices: lines.vertices, degenerate, ignored_elements: lines.ignored_elements, warnings };
     Ok((mesh, report))
-}
-
-/// The positions and triangles of the only model.
-fn geometry(models: &[tobj::Model]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let [tobj::Model { mesh, .. }] = models else {
-        unreachable!("tobj starts a new model only at a group or material")
-    };
-    let (positions, _) = mesh.positions.as_chunks();
-    let (triangles, _) = mesh.indices.as_chunks();
-    (positions.iter().map(|&position| Vec3::from_array(position)).collect(), triangles.to_vec())
 }

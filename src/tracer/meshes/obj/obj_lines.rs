@@ -6,8 +6,8 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::line::{Line, LineCount, LineError};
-use super::material::{DEFAULT_COLOR, UsedName};
+use super::line::{Line, LineCount, LineError, decode};
+use super::material::{DEFAULT_COLOR, UsedLibraries};
 use super::reader::LineChecker;
 use crate::error::quoted;
 use crate::tracer::meshes::mesh::Part;
@@ -51,20 +51,29 @@ const IGNORED_KEYWORDS: [&[u8]; 28] = [
 pub(super) struct ObjLines {
     /// Number of vertices.
     pub(super) vertices: usize,
-    /// Number of triangles.
-    triangles: usize,
+    /// Number of faces.
+    faces: usize,
+    /// The line of each face with more than three corners.
+    pub(super) polygons: Vec<usize>,
     /// The largest index that a face used before its vertex was defined.
     forward: Option<ForwardIndex>,
-    /// Material libraries.
-    pub(super) libraries: Vec<UsedName>,
-    /// The materials that faces use, each with the number of its first triangle.
-    materials: Vec<(usize, UsedName)>,
+    pub(super) libraries: UsedLibraries,
+    /// The materials that faces use.
+    materials: Vec<UsedMaterial>,
     /// Number of points, lines, curves and free-form surfaces.
     pub(super) ignored_elements: usize,
     /// Vertices with a colour.
     pub(super) colored_vertices: LineCount,
     /// Lines that are not known.
     pub(super) unknown_keywords: LineCount,
+}
+
+/// A material that faces use.
+#[derive(Debug)]
+struct UsedMaterial {
+    name: String,
+    line: usize,
+    first_face: usize,
 }
 
 /// A vertex index, counted from 1, and the face that uses it.
@@ -81,11 +90,11 @@ impl LineChecker for ObjLines {
             b"v" => self.vertex(line, checked),
             b"f" => self.face(line, checked),
             b"usemtl" => {
-                self.use_material(UsedName { name: line.name(), line: line.number });
+                self.use_material(line);
                 Ok(())
             }
             b"mtllib" => {
-                self.use_library(UsedName { name: line.name(), line: line.number });
+                self.libraries.add(line);
                 Ok(())
             }
             b"p" | b"l" | b"curv" | b"curv2" | b"surf" => {
@@ -156,7 +165,10 @@ impl ObjLines {
             return Err(line.error("a face needs 3 vertices"));
         }
         checked.push(b'\n');
-        self.triangles += corners - 2;
+        self.faces += 1;
+        if corners > 3 {
+            self.polygons.push(line.number);
+        }
         Ok(())
     }
 
@@ -186,38 +198,35 @@ impl ObjLines {
         }
     }
 
-    fn use_material(&mut self, material: UsedName) {
+    fn use_material(&mut self, line: &Line<'_>) {
         // Drop the material before, if no face used it.
-        self.materials.pop_if(|(first_triangle, _)| *first_triangle == self.triangles);
-        self.materials.push((self.triangles, material));
-    }
-
-    fn use_library(&mut self, library: UsedName) {
-        // Some exporters name the same library again before every object.
-        if self.libraries.last().is_none_or(|last| last.name != library.name) {
-            self.libraries.push(library);
-        }
+        self.materials.pop_if(|material| material.first_face == self.faces);
+        let name = decode(line.name()).trim().to_owned();
+        self.materials.push(UsedMaterial { name, line: line.number, first_face: self.faces });
     }
 
     /// The parts of the mesh: one per range of triangles with the same material. Warns of materials without definition.
+    /// `first_triangles` holds the first triangle of each face, and after the last face the number of triangles.
     pub(super) fn parts(
         &self,
-        triangles: usize,
+        first_triangles: &[usize],
         colors: &HashMap<String, Vec3>,
         file: &Path,
         warnings: &mut Vec<String>,
     ) -> Vec<Part> {
         let mut undefined = LineCount::default();
         let mut parts = vec![Part { first_triangle: 0, color: DEFAULT_COLOR }];
-        for (first_triangle, UsedName { name, line }) in &self.materials {
-            // The last material may have no faces. Mesh::new refuses more triangles than u32 can count.
-            let (true, Ok(first_triangle)) = (*first_triangle < triangles, u32::try_from(*first_triangle)) else {
+        for UsedMaterial { name, line, first_face } in &self.materials {
+            // Mesh::new refuses more triangles than u32 can count.
+            let Ok(first_triangle) = u32::try_from(first_triangles[*first_face]) else { break };
+            if *first_face == self.faces {
+                // The last material has no faces.
                 break;
-            };
+            }
             let color = colors.get(name).copied().unwrap_or_else(|| {
                 // An empty name means no material.
                 if !name.is_empty() {
-                    undefined.add_text(*line, name.as_bytes());
+                    undefined.add_with(*line, || quoted(name.as_bytes()));
                 }
                 DEFAULT_COLOR
             });

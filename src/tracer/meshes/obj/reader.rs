@@ -11,8 +11,12 @@ use crate::error::{Error, quoted};
 /// face with a million vertices fits.
 const MAX_LINE_BYTES: usize = 1 << 24;
 
-/// Some editors put this at the start of a file. It would make the first keyword an unknown one.
+/// Some editors put this at the start of a file, and joining files puts it at the start of other lines. It would make
+/// the keyword an unknown one.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+const FORM_FEED: u8 = b'\x0c';
+const VERTICAL_TAB: u8 = b'\x0b';
 
 /// Checks every line of a file before the parser reads it.
 pub(super) trait LineChecker {
@@ -37,9 +41,9 @@ pub(super) struct CheckedReader<'a, C> {
     file: &'a Path,
     source: BufReader<File>,
     checker: C,
-    /// Number of lines read.
-    lines_read: usize,
-    /// Number of the current line, counted from 1.
+    /// Number of the next line in the file, counted from 1.
+    next_number: usize,
+    /// Number of the current line. It is the first one of lines that a backslash joins.
     number: usize,
     /// Text of the current line.
     text: Vec<u8>,
@@ -53,9 +57,13 @@ pub(super) struct CheckedReader<'a, C> {
 
 impl<'a, C: LineChecker> CheckedReader<'a, C> {
     pub(super) fn open(file: &'a Path, checker: C) -> Result<Self, Error> {
-        let source = BufReader::new(File::open(file).map_err(Error::reading(file))?);
+        let mut source = BufReader::new(File::open(file).map_err(Error::reading(file))?);
+        if let Some(encoding) = wide_encoding(source.fill_buf().map_err(Error::reading(file))?) {
+            let message = format!("the text is {encoding}, expected UTF-8; iconv -f {encoding} -t UTF-8 converts it");
+            return Err(Error::in_line(file, 1, message));
+        }
         let (text, checked) = (Vec::new(), Vec::new());
-        Ok(Self { file, source, checker, lines_read: 0, number: 0, text, checked, consumed: 0, failure: None })
+        Ok(Self { file, source, checker, next_number: 1, number: 0, text, checked, consumed: 0, failure: None })
     }
 
     /// Ends the reading. `parsed` is what the parser returned.
@@ -91,32 +99,59 @@ impl<'a, C: LineChecker> CheckedReader<'a, C> {
     /// Reads a line and the lines joined to it. Returns false at the end of the file.
     fn next_line(&mut self) -> Result<bool, Error> {
         self.text.clear();
-        self.number = self.lines_read + 1;
+        self.number = self.next_number;
+        let mut is_line = false;
         loop {
             let start = self.text.len();
-            let room = (MAX_LINE_BYTES + 1 - start) as u64;
-            let read = self.source.by_ref().take(room).read_until(b'\n', &mut self.text);
-            if read.map_err(Error::reading(self.file))? == 0 {
-                return Ok(self.lines_read >= self.number);
+            let Some(line_break) = self.read_to_line_break()? else { return Ok(is_line) };
+            is_line = true;
+            // The other two break a line too, so that a comment does not swallow what follows. But they do not count:
+            // editors show one line.
+            if !matches!(line_break, FORM_FEED | VERTICAL_TAB) {
+                self.next_number += 1;
             }
-            if self.text.len() > MAX_LINE_BYTES {
-                let message = format!("line is longer than {MAX_LINE_BYTES} bytes: {}", quoted(&self.text));
-                return Err(Error::in_line(self.file, self.number, message));
-            }
-            self.lines_read += 1;
-            if self.lines_read == 1 && self.text.starts_with(BYTE_ORDER_MARK) {
+            if start == 0 && self.text.starts_with(BYTE_ORDER_MARK) {
                 self.text.drain(..BYTE_ORDER_MARK.len());
             }
-            let added = self.text[start..].trim_ascii_end();
-            // Not in a comment: it may end with a Windows path, which must not swallow the next line.
-            let joins = added.ends_with(b"\\") && !added.contains(&b'#');
-            let end = start + added.len();
-            if !joins {
-                self.text.truncate(end);
+            let end = start + self.text[start..].trim_ascii_end().len();
+            self.text.truncate(end);
+            if !joins_next_line(&self.text[start..]) {
                 return Ok(true);
             }
             self.text.truncate(end - 1);
             self.text.push(b' ');
+        }
+    }
+
+    /// Appends the text up to the next line break to the current line. Returns the line break, or `None` if nothing is
+    /// left. The file need not end with a line break.
+    fn read_to_line_break(&mut self) -> Result<Option<u8>, Error> {
+        let mut found_text = false;
+        loop {
+            let buffer = self.source.fill_buf().map_err(Error::reading(self.file))?;
+            if buffer.is_empty() {
+                return Ok(found_text.then_some(b'\n'));
+            }
+            found_text = true;
+            let line_break = buffer.iter().position(|byte| matches!(byte, b'\n' | b'\r' | &FORM_FEED | &VERTICAL_TAB));
+            let text = &buffer[..line_break.unwrap_or(buffer.len())];
+            if self.text.len() + text.len() > MAX_LINE_BYTES {
+                self.text.extend(text);
+                let message = format!("line is longer than {MAX_LINE_BYTES} bytes: {}", quoted(&self.text));
+                return Err(Error::in_line(self.file, self.number, message));
+            }
+            self.text.extend(text);
+            let Some(end) = line_break else {
+                let read = buffer.len();
+                self.source.consume(read);
+                continue;
+            };
+            let byte = buffer[end];
+            self.source.consume(end + 1);
+            if byte == b'\r' && self.source.fill_buf().map_err(Error::reading(self.file))?.first() == Some(&b'\n') {
+                self.source.consume(1);
+            }
+            return Ok(Some(byte));
         }
     }
 
@@ -147,5 +182,29 @@ impl<C: LineChecker> Read for CheckedReader<'_, C> {
         let read = line.read(buffer)?;
         self.consume(read);
         Ok(read)
+    }
+}
+
+/// Whether a line ends with a backslash that joins it with the next one.
+fn joins_next_line(line: &[u8]) -> bool {
+    match line {
+        // In a comment, it may end a Windows path. After another byte than ASCII it may belong to a letter: in
+        // Shift-JIS, the second byte of some is a backslash. Neither may swallow the next line.
+        [before @ .., b'\\'] => !before.contains(&b'#') && before.last().is_none_or(u8::is_ascii),
+        _ => false,
+    }
+}
+
+/// The encoding of a text whose characters have two or four bytes. Text that begins with ASCII shows it by its zeros,
+/// even without a byte order mark.
+fn wide_encoding(start: &[u8]) -> Option<&'static str> {
+    match *start {
+        [0xff, 0xfe, 0, 0, ..] => Some("UTF-32LE"),
+        [0, 0, 0xfe, 0xff, ..] => Some("UTF-32BE"),
+        [0xff, 0xfe, ..] => Some("UTF-16LE"),
+        [0xfe, 0xff, ..] => Some("UTF-16BE"),
+        [a, 0, b, 0, ..] if a != 0 && b != 0 => Some("UTF-16LE"),
+        [0, a, 0, b, ..] if a != 0 && b != 0 => Some("UTF-16BE"),
+        _ => None,
     }
 }

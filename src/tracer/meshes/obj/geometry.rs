@@ -1,0 +1,68 @@
+//! The surface of an OBJ file: the faces that `tobj` has read, split into triangles.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::line::LineCount;
+use super::polygon::{self, Flaws};
+
+/// Vertices and triangles, in the order of the faces.
+#[derive(Debug, Default)]
+pub(super) struct Geometry {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The first triangle of each face, and after the last face the number of triangles.
+    pub(super) first_triangles: Vec<usize>,
+    /// Polygons whose edges cross.
+    crossing: LineCount,
+    /// Polygons that are not in one plane.
+    bent: LineCount,
+}
+
+impl Geometry {
+    /// Splits the faces of the only model. `polygons` holds the line of each face with more than three corners.
+    pub(super) fn new(models: &[tobj::Model], polygons: &[usize]) -> Self {
+        let [tobj::Model { mesh, .. }] = models else {
+            unreachable!("tobj starts a new model only at a group or material")
+        };
+        let (positions, _) = mesh.positions.as_chunks();
+        let mut geometry = Self {
+            positions: positions.iter().map(|&position| Vec3::from_array(position)).collect(),
+            ..Self::default()
+        };
+        let mut polygons = polygons.iter();
+        // Without arities, every face is a triangle.
+        let mut arities = mesh.face_arities.iter();
+        let mut indices = &mesh.indices[..];
+        while !indices.is_empty() {
+            let face;
+            (face, indices) = indices.split_at(arities.next().map_or(3, |&arity| arity as usize));
+            geometry.first_triangles.push(geometry.triangles.len());
+            match *face {
+                [a, b, c] => geometry.triangles.push([a, b, c]),
+                _ => geometry.add_polygon(face, *polygons.next().expect("the line of every polygon is known")),
+            }
+        }
+        geometry.first_triangles.push(geometry.triangles.len());
+        geometry
+    }
+
+    fn add_polygon(&mut self, face: &[u32], line: usize) {
+        let corners: Vec<_> = face.iter().map(|&index| self.positions[index as usize]).collect();
+        let (triangles, Flaws { crossing, bent }) = polygon::split(&corners);
+        self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| face[corner])));
+        for (has_flaw, count) in [(crossing, &mut self.crossing), (bent, &mut self.bent)] {
+            if has_flaw {
+                count.add_with(line, || format!("{} corners", face.len()));
+            }
+        }
+    }
+
+    /// Warnings about polygons that have no obvious surface.
+    pub(super) fn warnings(&self, file: &Path) -> impl Iterator<Item = String> {
+        let crossing = self.crossing.warning(file, "polygon crosses itself, so its triangles may reach outside");
+        let bent = self.bent.warning(file, "polygon is not flat, so its surface depends on how it is split");
+        crossing.into_iter().chain(bent)
+    }
+}
