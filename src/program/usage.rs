@@ -1,0 +1,82 @@
+//! Reads the arguments, and makes one line of what is wrong with them.
+
+use clap::Parser;
+use clap::error::{ContextValue, ErrorKind};
+use raylanes::tracer::printable;
+
+use super::args::Arguments;
+use super::terminal;
+
+/// What the arguments ask for.
+pub(super) enum Request {
+    Run(Arguments),
+    /// The help or the version, which has been printed.
+    Done(Result<(), raylanes::tracer::Error>),
+    /// The line that says what is wrong.
+    Wrong(String),
+}
+
+/// Parses the arguments of the program.
+pub(super) fn request() -> Request {
+    match Arguments::try_parse() {
+        Ok(arguments) => Request::Run(arguments),
+        Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            Request::Done(terminal::written(error.print()))
+        }
+        Err(error) => Request::Wrong(one_line(&error)),
+    }
+}
+
+/// The message of `clap` with its expected values and its suggestion, without the usage.
+fn one_line(error: &clap::Error) -> String {
+    let mut text = error.render().to_string();
+    // What the user gave is quoted in the message as it is.
+    for (_, value) in error.context() {
+        if let ContextValue::String(given) = value {
+            text = text.replace(given.as_str(), &printable(given));
+        }
+    }
+    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end)).min();
+    let message = text[..end.unwrap_or(text.len())].trim_start_matches("error: ");
+    let parts: Vec<_> = message.lines().map(str::trim).filter(|part| !part.is_empty()).collect();
+    parts.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wrong(arguments: &[&str]) -> String {
+        let arguments = ["raylanes"].iter().chain(arguments);
+        one_line(&Arguments::try_parse_from(arguments).err().expect("the arguments are wrong"))
+    }
+
+    #[test]
+    fn an_error_is_one_line_with_the_expected_values_and_the_suggestion() {
+        for (arguments, expected) in [
+            (&["paint"][..], "unrecognized subcommand 'paint'"),
+            (&["render", "room"], "the following required arguments were not provided:; --out <OUT.png>"),
+            (
+                &["trace", "room", "--mode", "warp"],
+                "invalid value 'warp' for '--mode <MODE>'; [possible values: scalar, single, packet, auto]",
+            ),
+            (
+                &["trace", "room", "--mode", "singel"],
+                "invalid value 'singel' for '--mode <MODE>'; [possible values: scalar, single, packet, auto]; \
+                 tip: a similar value exists: 'single'",
+            ),
+            (
+                &["trace", "room", "--thread", "3"],
+                "unexpected argument '--thread' found; tip: a similar argument exists: '--threads'",
+            ),
+            (
+                &["trace", "room", "--size", "a\n\nUsage: b\u{1b}[2J"],
+                r"invalid value 'a\n\nUsage: b\u{1b}[2J' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT with 1 to 67108864 pixels, such as 1024x768",
+            ),
+        ] {
+            assert_eq!(wrong(arguments), expected, "{arguments:?}");
+        }
+        let long = wrong(&["trace", "room", "--size", &"9".repeat(100_000)]);
+        assert!(long.chars().count() < 400 && long.contains("999…999"), "{long}");
+    }
+}
