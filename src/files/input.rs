@@ -1,16 +1,16 @@
 //! Files that are read: opened with a limit on their size, and remembered, so that the program does not write over
 //! them.
 
-use std::collections::HashSet;
-use std::fs::{self, File, Metadata};
+use std::collections::BTreeSet;
+use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::Error;
 
 /// The regular files opened so far.
-static READ: Mutex<Option<HashSet<Identity>>> = Mutex::new(None);
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// A file that is read, up to a limit.
 #[derive(Debug)]
@@ -35,8 +35,8 @@ impl Input {
         if size.is_some_and(|size| size > max_bytes) {
             return Err(Error::reading(path)(too_long(max_bytes)));
         }
-        if let Some(identity) = identity(path, &metadata) {
-            READ.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default().insert(identity);
+        if let (Some(_), Ok(path)) = (size, std::path::absolute(path)) {
+            READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
         }
         Ok(Self { file, size, max_bytes, left: max_bytes })
     }
@@ -60,31 +60,25 @@ fn too_long(max_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("longer than {max_bytes} bytes"))
 }
 
-/// Whether the file at `path`, under this name or another, was opened by [`Input::open`].
+/// Whether the file at `path` was opened by [`Input::open`], under this name or another.
 pub(super) fn was_read(path: &Path) -> bool {
+    let Some(file) = identity(path) else { return false };
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    let is_read =
-        |metadata| identity(path, &metadata).is_some_and(|file| read.as_ref().is_some_and(|read| read.contains(&file)));
-    fs::metadata(path).is_ok_and(is_read)
+    read.iter().any(|read| identity(read) == Some(file.clone()))
 }
 
-/// The same for every name of a regular file, also through links. Device and number of the file.
+/// The same for all names of a regular file, also for links: device and number of the file. A number may be used again
+/// when a file is deleted, so it is not kept.
 #[cfg(unix)]
-type Identity = (u64, u64);
-
-#[cfg(unix)]
-pub(super) fn identity(_: &Path, metadata: &Metadata) -> Option<Identity> {
+fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;
-    metadata.is_file().then(|| (metadata.dev(), metadata.ino()))
+    fs::metadata(path).ok().filter(fs::Metadata::is_file).map(|file| (file.dev(), file.ino()))
 }
 
-/// The same for every name of a regular file, but not through hard links.
+/// The same for all names of a regular file, except hard links.
 #[cfg(not(unix))]
-type Identity = std::path::PathBuf;
-
-#[cfg(not(unix))]
-fn identity(path: &Path, metadata: &Metadata) -> Option<Identity> {
-    metadata.is_file().then(|| fs::canonicalize(path).ok()).flatten()
+fn identity(path: &Path) -> Option<PathBuf> {
+    fs::canonicalize(path).ok().filter(|path| path.is_file())
 }
 
 #[cfg(test)]

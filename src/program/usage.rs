@@ -23,19 +23,21 @@ pub(super) fn request() -> Request {
         Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             Request::Done(terminal::written(error.print()))
         }
-        Err(error) => Request::Wrong(one_line(&error)),
+        Err(error) => Request::Wrong(one_line(error)),
     }
 }
 
 /// The message of `clap` with its expected values and its suggestion, without the usage.
-fn one_line(error: &clap::Error) -> String {
-    let mut text = error.render().to_string();
-    // What the user gave is quoted in the message as it is.
-    for (_, value) in error.context() {
-        if let ContextValue::String(given) = value {
-            text = text.replace(given.as_str(), &printable(given));
-        }
+fn one_line(mut error: clap::Error) -> String {
+    // What the user gave would be quoted in the message as it is.
+    let given = error.context().filter_map(|(kind, value)| match value {
+        ContextValue::String(given) => Some((kind, printable(given))),
+        _ => None,
+    });
+    for (kind, given) in given.collect::<Vec<_>>() {
+        error.insert(kind, ContextValue::String(given));
     }
+    let text = error.render().to_string();
     let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end)).min();
     let message = text[..end.unwrap_or(text.len())].trim_start_matches("error: ");
     let parts: Vec<_> = message.lines().map(str::trim).filter(|part| !part.is_empty()).collect();
@@ -48,7 +50,7 @@ mod tests {
 
     fn wrong(arguments: &[&str]) -> String {
         let arguments = ["raylanes"].iter().chain(arguments);
-        one_line(&Arguments::try_parse_from(arguments).err().expect("the arguments are wrong"))
+        one_line(Arguments::try_parse_from(arguments).err().expect("the arguments are wrong"))
     }
 
     #[test]
@@ -78,5 +80,60 @@ mod tests {
         }
         let long = wrong(&["trace", "room", "--size", &"9".repeat(100_000)]);
         assert!(long.chars().count() < 400 && long.contains("999…999"), "{long}");
+    }
+
+    /// Random command lines from a few words, some damaged. A wrong one is one short line.
+    #[test]
+    fn random_arguments_give_one_line() {
+        const WORDS: [&str; 20] = [
+            "trace",
+            "render",
+            "study",
+            "list",
+            "room",
+            "--mode",
+            "packet",
+            "--size",
+            "8x8",
+            "--threads",
+            "7",
+            "--eye",
+            "1,2,3",
+            "-o",
+            "--",
+            "-",
+            "",
+            "\n\nUsage: ",
+            "\u{202e}\u{1b}[2J",
+            "--shade=lambert",
+        ];
+        let mut state = 2026u32;
+        let mut below = |end: usize| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as usize % end
+        };
+        let mut wrong = 0;
+        for _ in 0..2000 {
+            let words: Vec<_> = (0..below(7))
+                .map(|_| {
+                    let mut word = WORDS[below(WORDS.len())].to_owned();
+                    if below(4) == 0 {
+                        word.insert(0, ['-', '=', '\n', '\u{2066}', '\0', 'x'][below(6)]);
+                    }
+                    word
+                })
+                .collect();
+            let Err(error) = Arguments::try_parse_from(["raylanes".to_owned()].into_iter().chain(words.clone())) else {
+                continue;
+            };
+            if error.use_stderr() {
+                let line = one_line(error);
+                let is_plain = |c: char| !c.is_control() && !('\u{202a}'..='\u{2069}').contains(&c);
+                assert!(line.chars().all(is_plain) && !line.is_empty() && line.len() < 900, "{words:?}: {line:?}");
+                assert!(!line.contains("For more information"), "{words:?}: {line:?}");
+                wrong += 1;
+            }
+        }
+        assert!(wrong > 500, "{wrong}");
     }
 }
