@@ -22,7 +22,7 @@ pub enum Error {
         source: io::Error,
     },
     /// The content of a file is not valid.
-    #[error("{}{}: {}", printable_path(.file), .line.map_or_else(String::new, |line| format!(":{line}")), explanation(.message))]
+    #[error("{}{}: {}", printable_path(.file), line_suffix(*.line), explanation(.message))]
     Input {
         /// The file.
         file: PathBuf,
@@ -98,6 +98,10 @@ pub fn printable(name: &str) -> String {
 /// A path for a message; see [`printable`].
 pub fn printable_path(path: &Path) -> String {
     printable(&path.to_string_lossy())
+}
+
+fn line_suffix(line: Option<usize>) -> String {
+    line.map_or_else(String::new, |line| format!(":{line}"))
 }
 
 /// The names in a message are short already; this keeps any other text from filling the terminal.

@@ -64,7 +64,7 @@ fn too_long(max_bytes: u64) -> io::Error {
 pub(super) fn was_read(path: &Path) -> bool {
     let Some(file) = identity(path) else { return false };
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    read.iter().any(|read| identity(read) == Some(file.clone()))
+    read.iter().any(|read| identity(read).is_some_and(|read| read == file))
 }
 
 /// The same for all names of a regular file, also for links: device and number of the file. A number may be used again

@@ -32,7 +32,7 @@ impl ReservedFolder {
             let created = create_folder(path)?;
             let lock = lock(path).map_err(Error::writing(path))?;
             temporary_folder(path).map_err(Error::writing(path))?;
-            // Whoever reserved it before may have removed it meanwhile. Then the lock is that of a folder without a name.
+            // Whoever reserved it before may have removed it meanwhile. Then this is the lock of a removed folder.
             if lock.as_ref().is_none_or(|lock| is_at(lock, path)) {
                 let made = created.keep();
                 MADE.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&made);

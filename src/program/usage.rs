@@ -41,7 +41,7 @@ fn one_line(mut error: clap::Error) -> String {
     let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end)).min();
     let message = text[..end.unwrap_or(text.len())].trim_start_matches("error: ");
     let parts: Vec<_> = message.lines().map(str::trim).filter(|part| !part.is_empty()).collect();
-    parts.join("; ")
+    parts.join("; ").replace(":; ", ": ")
 }
 
 #[cfg(test)]
@@ -57,7 +57,7 @@ mod tests {
     fn an_error_is_one_line_with_the_expected_values_and_the_suggestion() {
         for (arguments, expected) in [
             (&["paint"][..], "unrecognized subcommand 'paint'"),
-            (&["render", "room"], "the following required arguments were not provided:; --out <OUT.png>"),
+            (&["render", "room"], "the following required arguments were not provided: --out <OUT.png>"),
             (
                 &["trace", "room", "--mode", "warp"],
                 "invalid value 'warp' for '--mode <MODE>'; [possible values: scalar, single, packet, auto]",
@@ -73,7 +73,8 @@ mod tests {
             ),
             (
                 &["trace", "room", "--size", "a\n\nUsage: b\u{1b}[2J"],
-                r"invalid value 'a\n\nUsage: b\u{1b}[2J' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT with 1 to 67108864 pixels, such as 1024x768",
+                "invalid value 'a\\n\\nUsage: b\\u{1b}[2J' for '--size <WIDTHxHEIGHT>': \
+                 expected WIDTHxHEIGHT with 1 to 67108864 pixels, such as 1024x768",
             ),
         ] {
             assert_eq!(wrong(arguments), expected, "{arguments:?}");
