@@ -55,13 +55,13 @@ mod unix {
     pub(super) fn other_signals(ctrlc_handles_all: bool) -> Vec<c_int> {
         let ignored = ignored_signals();
         let is_ignored = |signal: c_int| ignored.map(|ignored| ignored >> (signal - 1) & 1 == 1);
-        // What batch systems send before they kill a job. Nothing else ignores these.
+        // What batch systems send before they kill a job. If the system does not tell, they are not ignored.
         let mut signals = vec![SIGXCPU, SIGUSR1, SIGUSR2];
         if !ctrlc_handles_all {
             signals.push(SIGTERM);
         }
         signals.retain(|&signal| is_ignored(signal) != Some(true));
-        // Shells ignore these on purpose. The keyboard sends SIGQUIT like SIGINT, and both are ignored together.
+        // Shells ignore these on purpose, SIGINT and SIGQUIT together. So what `ctrlc` found decides in doubt.
         let of_terminal: &[c_int] = if ctrlc_handles_all { &[SIGQUIT] } else { &[SIGINT, SIGHUP, SIGQUIT] };
         signals.extend(of_terminal.iter().filter(|&&signal| !is_ignored(signal).unwrap_or(!ctrlc_handles_all)));
         signals
