@@ -6,15 +6,15 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A file or an argument that cannot be used. It always prints as one line: control characters are escaped, and text
-/// quoted from a file is shortened.
+/// A file or an argument that cannot be used. It always prints as one line: names and text quoted from a file are
+/// shortened, and characters that a terminal does not show as they are, are escaped.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused, or the disk is full.
-    #[error("cannot {action} {}: {}", display(.file), escaped(&reason(.source)))]
+    #[error("cannot {action} {}: {}", printable_path(.file), explanation(&reason(.source)))]
     Io {
-        /// `read`, `write` or `create`.
+        /// `read`, `write`, `create` or `start`.
         action: &'static str,
         /// The file.
         file: PathBuf,
@@ -22,7 +22,7 @@ pub enum Error {
         source: io::Error,
     },
     /// The content of a file is not valid.
-    #[error("{}{}: {}", display(.file), .line.map_or_else(String::new, |line| format!(":{line}")), escaped(.message))]
+    #[error("{}{}: {}", printable_path(.file), line_suffix(*.line), explanation(.message))]
     Input {
         /// The file.
         file: PathBuf,
@@ -32,10 +32,10 @@ pub enum Error {
         message: String,
     },
     /// Two sets of hits must be identical and are not. This is a bug in this crate; comparing checksums found it.
-    #[error("hits differ: {}", escaped(.0))]
+    #[error("hits differ: {}", explanation(.0))]
     Disagreement(String),
     /// An argument is not valid.
-    #[error("{}: {}", escaped(.argument), escaped(.message))]
+    #[error("{}: {}", printable(.argument), explanation(.message))]
     Argument {
         /// The argument, as it was given.
         argument: String,
@@ -89,21 +89,68 @@ pub(crate) fn quoted(text: &[u8]) -> String {
     }
 }
 
-fn display(file: &Path) -> String {
-    escaped(&file.to_string_lossy())
+/// A name for a message, a table or a page: escaped, and if it is long, shortened in the middle.
+pub fn printable(name: &str) -> String {
+    const MAX_CHARS: usize = 120;
+    shortened_to(MAX_CHARS, &escaped(name))
+}
+
+/// A path for a message; see [`printable`].
+pub fn printable_path(path: &Path) -> String {
+    printable(&path.to_string_lossy())
+}
+
+fn line_suffix(line: Option<usize>) -> String {
+    line.map_or_else(String::new, |line| format!(":{line}"))
+}
+
+/// The names in a message are short already; this keeps any other text from filling the terminal.
+fn explanation(text: &str) -> String {
+    const MAX_CHARS: usize = 600;
+    shortened_to(MAX_CHARS, &escaped(text))
+}
+
+/// Replaces the middle of a longer text by an ellipsis.
+fn shortened_to(max_chars: usize, text: &str) -> String {
+    let chars = text.chars().count();
+    if chars <= max_chars {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(max_chars / 2).collect();
+    let end: String = text.chars().skip(chars - (max_chars - max_chars / 2 - 1)).collect();
+    format!("{start}…{end}")
 }
 
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
-        // U+2028 and U+2029 are not control characters, but a terminal may break the line at them too.
-        if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
-            escaped.extend(c.escape_default());
-        } else {
+        if is_shown(c) {
             escaped.push(c);
+        } else {
+            escaped.extend(c.escape_default());
         }
     }
     escaped
+}
+
+/// Whether a terminal shows a character as it is. Control characters and separators break the line or move the cursor,
+/// bidirectional controls reorder the text around them, and others are invisible.
+fn is_shown(c: char) -> bool {
+    let separator = '\u{2028}'..='\u{2029}';
+    let bidirectional =
+        ['\u{202a}'..='\u{202e}', '\u{2066}'..='\u{2069}', '\u{200e}'..='\u{200f}', '\u{61c}'..='\u{61c}'];
+    let invisible = [
+        '\u{ad}'..='\u{ad}',
+        '\u{180e}'..='\u{180e}',
+        '\u{200b}'..='\u{200d}',
+        '\u{2060}'..='\u{2064}',
+        '\u{206a}'..='\u{206f}',
+        '\u{feff}'..='\u{feff}',
+        '\u{fff9}'..='\u{fffb}',
+        '\u{e0000}'..='\u{e007f}',
+    ];
+    let mut hidden = [separator].into_iter().chain(bidirectional).chain(invisible);
+    !c.is_control() && !hidden.any(|range| range.contains(&c))
 }
 
 /// The system's message without its error number, which adds nothing.
@@ -134,7 +181,7 @@ mod tests {
 
     #[test]
     fn errors_stay_on_one_short_line() {
-        let hostile = "a\nb\r\u{1b}[2J\u{85}\u{2028}";
+        let hostile = "a\nb\r\u{1b}[2J\u{85}\u{2028}\u{202e}\u{2066}\u{200f}\u{61c}\u{200b}\u{feff}";
         let file = Path::new(hostile);
         let errors = [
             Error::in_line(file, 1, hostile),
@@ -143,12 +190,28 @@ mod tests {
         ];
         for error in errors {
             let text = error.to_string();
-            assert!(!text.contains(['\n', '\r', '\u{1b}', '\u{85}', '\u{2028}']), "{text:?}");
+            assert!(text.chars().all(is_shown), "{text:?}");
             assert!(text.contains(r"a\nb\r\u{1b}"), "{text:?}");
         }
         assert_eq!(quoted(&[b'x'; 60]).chars().count(), 62);
         assert_eq!(quoted(&[b'x'; 61]).chars().count(), 63);
         assert_eq!(quoted(&[b'\n'; 1_000_000]).chars().count(), 63);
         assert_eq!(quoted(&[0xff, b'a']), "\"\u{fffd}a\"");
+    }
+
+    #[test]
+    fn a_long_name_keeps_its_start_and_its_end() {
+        let long = format!("start{}end.obj", "x".repeat(1000));
+        assert_eq!(printable(&long), format!("start{}…{}end.obj", "x".repeat(55), "x".repeat(52)));
+        assert_eq!(printable(&long[..120]), &long[..120]);
+        let errors = [
+            Error::in_file(Path::new(&long), "no triangles"),
+            Error::in_file(Path::new("a.obj"), long.repeat(10)),
+            Error::writing(Path::new(&long))(io::Error::other(long.repeat(10))),
+            Error::Argument { argument: long.clone(), message: long.repeat(10) },
+        ];
+        for error in errors {
+            assert!(error.to_string().chars().count() < 800, "{error}");
+        }
     }
 }

@@ -2,7 +2,11 @@
 //!
 //! Content goes to a temporary file or folder first. It gets its final name only when everything is written. A lock is
 //! held as long as something temporary exists. A program that wants to exit takes that lock ([`hold_writes`]); it then
-//! leaves nothing temporary behind.
+//! leaves nothing temporary behind. [`input`] opens files to read, and [`reserve`] locks a folder.
+
+mod input;
+#[cfg(feature = "study")]
+mod reserve;
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -11,9 +15,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 #[cfg(feature = "study")]
 use tempfile::TempDir;
-use tempfile::TempPath;
+use tempfile::{NamedTempFile, TempPath};
 
-use crate::error::Error;
+pub(crate) use self::input::Input;
+#[cfg(feature = "study")]
+pub use self::reserve::ReservedFolder;
+use crate::error::{Error, printable_path};
 
 /// Names of temporary files and folders begin with this.
 const TEMPORARY_PREFIX: &str = ".raylanes-";
@@ -29,8 +36,16 @@ static WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// Waits until no temporary file or folder exists, and prevents new ones while the returned guard lives.
 ///
 /// For a program that is about to exit while it may be writing. The guard holds the paths written so far, in the order
-/// of writing. Writes to devices, pipes and standard output are not stopped.
+/// of writing. Writes to devices, pipes and standard output are not stopped. Empty folders that were made for a study
+/// are removed.
 pub fn hold_writes() -> MutexGuard<'static, Vec<PathBuf>> {
+    let written = lock_writes();
+    #[cfg(feature = "study")]
+    reserve::remove_empty_folders();
+    written
+}
+
+fn lock_writes() -> MutexGuard<'static, Vec<PathBuf>> {
     // A thread that panicked while holding the lock has removed its temporary files.
     WRITTEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -51,11 +66,11 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::R
     let written = Target::of(path).and_then(|target| match target {
         Target::Open(file) => {
             // Recorded before writing: part of it may arrive while the rest still waits.
-            hold_writes().push(path.into());
+            lock_writes().push(path.into());
             write_buffered(file, write)
         }
         Target::Replaceable(target) => {
-            let mut written = hold_writes();
+            let mut written = lock_writes();
             target.stage(write)?.move_into_place()?;
             written.push(path.into());
             Ok(())
@@ -81,7 +96,7 @@ pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Resu
             Err(error) => return Err(Error::writing(&path)(error)),
         }
     }
-    let mut written = hold_writes();
+    let mut written = lock_writes();
     let mut staged = Vec::new();
     for (path, target, content) in replaceable {
         let file = target.stage(|file| file.write_all(content)).map_err(Error::writing(&path))?;
@@ -101,7 +116,7 @@ pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Resu
 /// If something with this name exists, unless it is an empty folder, or if something cannot be written.
 #[cfg(feature = "study")]
 pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
-    let mut written = hold_writes();
+    let mut written = lock_writes();
     let parent = directory_of(folder);
     let _created = create_folder(parent)?;
     let temporary = temporary_folder(parent).map_err(Error::writing(folder))?;
@@ -111,7 +126,7 @@ pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Re
     match fs::rename(temporary.path(), folder) {
         Err(_) if folder.symlink_metadata().is_ok() => {
             let kept = temporary.keep();
-            let message = format!("it exists by now; the new files are in {}", kept.display());
+            let message = format!("it exists by now; the new files are in {}", printable_path(&kept));
             Err(Error::writing(folder)(io::Error::new(ErrorKind::AlreadyExists, message)))
         }
         renamed => {
@@ -122,23 +137,45 @@ pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Re
     }
 }
 
-/// Checks that files can be created in this folder. A missing folder is created for the check. Nothing is left behind.
+/// Checks, before long work, that [`write_atomically`] will be able to write this file, and that it is none that this
+/// process has read. Changes nothing.
 ///
 /// # Errors
-/// If no file can be created there.
-#[cfg(feature = "study")]
-pub(crate) fn try_folder(folder: &Path) -> Result<(), Error> {
-    let _held = hold_writes();
-    let _created = create_folder(folder)?;
-    temporary_folder(folder).map(drop).map_err(Error::writing(folder))
+/// If the file cannot be written, as far as that can be known, or if it was read.
+pub fn check_output(path: &Path) -> Result<(), Error> {
+    let check = || {
+        if input::was_read(path) {
+            return Err(io::Error::new(ErrorKind::InvalidInput, "it is also an input"));
+        }
+        // Opening a pipe would wait for its reader, and closing it again would be the end of the file for that reader.
+        if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+            return Ok(());
+        }
+        match Target::of(path)? {
+            Target::Open(_) => Ok(()),
+            Target::Replaceable(target) => {
+                let _held = lock_writes();
+                target.create_temporary().map(drop)
+            }
+        }
+    };
+    check().map_err(Error::writing(path))
 }
 
 /// Folders that were created. When dropped, it removes those that are still empty.
 #[cfg(feature = "study")]
-struct CreatedFolders<'a>(Vec<&'a Path>);
+struct CreatedFolders(Vec<PathBuf>);
 
 #[cfg(feature = "study")]
-impl Drop for CreatedFolders<'_> {
+impl CreatedFolders {
+    /// The folders, which then stay.
+    fn keep(mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.0)
+    }
+}
+
+#[cfg(feature = "study")]
+impl Drop for CreatedFolders {
     fn drop(&mut self) {
         // Innermost first. The system refuses to remove a folder that is not empty.
         self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
@@ -147,8 +184,9 @@ impl Drop for CreatedFolders<'_> {
 
 /// Creates a folder and its parents where they are missing.
 #[cfg(feature = "study")]
-fn create_folder(folder: &Path) -> Result<CreatedFolders<'_>, Error> {
-    let created = CreatedFolders(folder.ancestors().filter(|ancestor| !ancestor.exists()).collect());
+fn create_folder(folder: &Path) -> Result<CreatedFolders, Error> {
+    let missing = folder.ancestors().filter(|ancestor| !ancestor.exists());
+    let created = CreatedFolders(missing.map(Path::to_owned).collect());
     fs::create_dir_all(folder).map_err(Error::creating(folder))?;
     Ok(created)
 }
@@ -215,15 +253,20 @@ struct Replaceable {
 }
 
 impl Replaceable {
-    fn stage(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Staged> {
+    fn create_temporary(&self) -> io::Result<NamedTempFile> {
         let directory = directory_of(&self.destination);
         if !directory.is_dir() {
-            return Err(io::Error::new(ErrorKind::NotFound, format!("there is no directory {}", directory.display())));
+            let message = format!("there is no directory {}", printable_path(directory));
+            return Err(io::Error::new(ErrorKind::NotFound, message));
         }
         // Opened here, since `tempfile` would make it readable by its owner only and name it in error messages.
-        let mut file = tempfile::Builder::new()
+        tempfile::Builder::new()
             .prefix(TEMPORARY_PREFIX)
-            .make_in(directory, |name| OpenOptions::new().write(true).create_new(true).open(name))?;
+            .make_in(directory, |name| OpenOptions::new().write(true).create_new(true).open(name))
+    }
+
+    fn stage(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Staged> {
+        let mut file = self.create_temporary()?;
         if let Some(permissions) = self.permissions {
             file.as_file().set_permissions(permissions)?;
         }
@@ -371,19 +414,26 @@ mod tests {
         assert_eq!(names(&parent.join(kept)), ["c"]);
     }
 
-    #[cfg(feature = "study")]
     #[test]
-    fn try_folder_leaves_nothing_behind() {
+    fn an_output_can_be_checked_before_it_is_written() {
         let directory = tempfile::tempdir().unwrap();
-        let folder = directory.path().join("some/where");
-        try_folder(&folder).unwrap();
-        assert!(names(directory.path()).is_empty());
-        fs::create_dir_all(&folder).unwrap();
-        try_folder(&folder).unwrap();
-        assert!(folder.exists() && names(&folder).is_empty());
-        fs::write(directory.path().join("file"), "").unwrap();
-        let error = try_folder(&directory.path().join("file/below")).unwrap_err().to_string();
-        assert!(error.starts_with("cannot create ") && error.contains("file/below"), "{error}");
+        let [new, old, input] = ["new", "old", "input"].map(|name| directory.path().join(name));
+        fs::write(&old, "kept").unwrap();
+        fs::write(&input, "").unwrap();
+        Input::open(&input, 0).unwrap();
+        check_output(&new).unwrap();
+        check_output(&old).unwrap();
+        assert_eq!((fs::read_to_string(&old).unwrap(), names(directory.path()).len()), ("kept".into(), 2));
+        for (path, reason) in [
+            (input.clone(), "it is also an input"),
+            (directory.path().join("no/out"), "there is no directory"),
+            (directory.path().to_owned(), "directory"),
+            (input.join("below"), ""),
+        ] {
+            let error = check_output(&path).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("cannot write {}: ", path.display())), "{error}");
+            assert!(error.contains(reason), "{error}");
+        }
     }
 
     #[cfg(unix)]

@@ -456,7 +456,7 @@ fn files_that_are_no_scenes_are_refused() {
         assert_eq!(error(text), "x.toml: no instances", "{text:?}");
     }
     assert_eq!(error(b"# \xc3\xa9\n\nname = '\xff\xfe'\n"), "x.toml:3: not UTF-8: \"\u{fffd}\u{fffd}'\"");
-    assert_eq!(error(vec![b'#'; (1 << 24) + 1]), "x.toml: longer than 16777216 bytes");
+    assert_eq!(error(vec![b'#'; (1 << 24) + 1]), "cannot read x.toml: longer than 16777216 bytes");
     // Too deep nesting, and words of megabytes.
     for text in ["[".repeat(100_000), "a = ".to_owned() + &"[".repeat(100_000), "a.".repeat(100_000) + "a = 1"] {
         let message = error(&text);

@@ -3,33 +3,57 @@
 //! | file | content |
 //! | --- | --- |
 //! | `args` | every option, with its help text and its parser |
+//! | `usage` | reads the arguments, and makes one line of what is wrong with them |
 //! | `study`, `trace`, `render`, `list` | one command each |
-//! | `scene` | what `trace` and `render` share: the chosen kernels and the loaded scene |
-//! | `terminal` | standard output, standard error, and what happens on Ctrl-C |
+//! | `scene`, `memory` | what `trace` and `render` share: the chosen kernels, the loaded scene, checks |
+//! | `terminal` | standard output and standard error |
+//! | `signals` | what happens on Ctrl-C, and where the system refuses to go on |
 //!
 //! An error is one line on standard error; the exit code is then 2.
 
 mod args;
 mod list;
+mod memory;
 mod render;
 mod scene;
+mod signals;
 mod study;
 mod terminal;
 mod trace;
+mod usage;
 
 use std::process::ExitCode;
 
-use clap::Parser;
 use raylanes::study::Progress;
+use raylanes::tracer::Error;
 
-use args::{Arguments, Command, StudyArguments};
+use args::{Command, StudyArguments};
+use usage::Request;
 
 /// Runs the command that the arguments name.
 pub(crate) fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let command = arguments.command.unwrap_or(Command::Study(StudyArguments::default()));
+    signals::fail_without_dumps();
+    let outcome = match usage::request() {
+        Request::Done(printed) => printed.map_err(|error| error.to_string()),
+        Request::Wrong(line) => Err(line),
+        Request::Run(arguments) => {
+            let command = arguments.command.unwrap_or(Command::Study(StudyArguments::default()));
+            run(command).and_then(|text| terminal::print(&text)).map_err(|error| error.to_string())
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(line) => {
+            terminal::note(&format!("raylanes: {line}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs the command. Returns what it prints.
+fn run(command: Command) -> Result<String, Error> {
     let progress = if matches!(command, Command::Study(_)) { Progress::bar() } else { Progress::spinner() };
-    terminal::exit_when_interrupted(progress.clone());
+    signals::exit_when_interrupted(&progress)?;
     let outcome = match command {
         Command::Study(arguments) => study::run(&arguments, &progress),
         Command::Trace(arguments) => trace::run(&arguments, &progress),
@@ -37,11 +61,5 @@ pub(crate) fn main() -> ExitCode {
         Command::List => Ok(list::run()),
     };
     progress.clear();
-    match outcome.and_then(|text| terminal::print(&text)) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            terminal::note(&format!("raylanes: {error}"));
-            ExitCode::from(2)
-        }
-    }
+    outcome
 }

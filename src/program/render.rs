@@ -2,24 +2,34 @@
 
 use std::path::{Path, PathBuf};
 
-use raylanes::geom::{Hit, Triangle};
+use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::Task;
 use raylanes::study::Progress;
-use raylanes::tracer::{self, Differences, Error, Picture, Shade, Shot, World};
+use raylanes::tracer::{self, Differences, Error, Picture, Shade, Shot, World, printable_path};
 
 use super::args::RenderArguments;
+use super::memory;
 use super::scene::{ChosenKernels, Loaded};
+
+/// A ray, its hit, those of its shadow, its colour, and its bytes in the file.
+const BYTES_PER_PIXEL: usize = 2 * (size_of::<Ray<f32>>() + size_of::<Hit<f32>>()) + 40;
 
 pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<String, Error> {
     let scene = &arguments.scene;
     // A large mesh takes long to load, so the other arguments are checked before it.
     let kernels = scene.kernels()?;
+    let marked = with_name_ending(&arguments.out, "-compare");
+    let mut outputs = vec![&*arguments.out];
+    outputs.extend(arguments.compare.as_ref().map(|_| &*marked));
+    outputs.iter().try_for_each(|output| tracer::check_output(output))?;
+    let pool = scene.pool()?;
     let other = arguments.compare.as_deref().map(|id| kernels.with(id, &["triangle", "quadric"])).transpose()?;
-    let Loaded { world, camera, light, pool } = scene.load(progress)?;
+    let Loaded { world, camera, light } = pool.install(|| scene.load(&outputs, progress))?;
     let (width, height) = scene.size;
+    memory::check(&scene.name(), &world, width as usize * height as usize, BYTES_PER_PIXEL)?;
     let shot = Shot { camera: camera?, light, mode: scene.mode, width, height };
-    let name = &scene.scene;
+    let name = scene.name();
     pool.install(|| {
         progress.note(&format!("{name}: rendering"));
         let (picture, hits, world) = kernels.run(Render { kernels, world, shot: &shot, shade: arguments.shade.into() });
@@ -27,9 +37,8 @@ pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<St
         let Some(other) = other else { return Ok(String::new()) };
         progress.note(&format!("{name}: comparing"));
         let other_hits = other.run(FindHits { kernels: other, world, shot: &shot });
-        let (marked, differences) = tracer::compare(&shot, &picture, &hits, &other_hits);
-        let file = with_name_ending(&arguments.out, "-compare");
-        marked.write(&file)?;
+        let (picture, differences) = tracer::compare(&shot, &picture, &hits, &other_hits);
+        picture.write(&marked)?;
         let [first, second] = if kernels.triangle == other.triangle {
             [kernels.quadric, other.quadric]
         } else {
@@ -42,7 +51,7 @@ pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<St
              On {other_t} more pixels both hit the same primitive, but t differs.\n",
             differences.marked(),
             hits.len(),
-            file.display()
+            printable_path(&marked)
         ))
     })
 }

@@ -1,12 +1,16 @@
 //! What `trace` and `render` share: the kernels and the scene that their arguments name.
 
 use std::marker::PhantomData;
+use std::path::Path;
 
 use raylanes::geom::{Quadric, Triangle};
 use raylanes::kernels::{Kernel, Shape};
 use raylanes::registry::{self, Task, Visitor};
 use raylanes::study::Progress;
-use raylanes::tracer::{self, Camera, Error, Light, LoadedScene, Scene, SceneSource, View, ViewError, World};
+use raylanes::tracer::{
+    Camera, Error, Light, LoadedScene, Scene, SceneSource, View, ViewError, World, check_output, printable, thread_pool,
+};
+use rayon::ThreadPool;
 
 use super::args::SceneArguments;
 use super::terminal;
@@ -20,7 +24,6 @@ pub(super) struct Loaded {
     /// An error if the view gives no picture.
     pub(super) camera: Result<Camera, Error>,
     pub(super) light: Light,
-    pub(super) pool: rayon::ThreadPool,
 }
 
 impl SceneArguments {
@@ -31,14 +34,23 @@ impl SceneArguments {
             .with(&self.quadric_kernel, &["quadric"])
     }
 
-    /// Loads the scene and starts the threads. Remarks about the scene's files go to standard error.
-    pub(super) fn load(&self, progress: &Progress) -> Result<Loaded, Error> {
-        progress.note(&format!("{}: loading", self.scene));
+    /// Starts the threads that the scene is loaded, built and traced with.
+    pub(super) fn pool(&self) -> Result<ThreadPool, Error> {
+        thread_pool(self.threads.into())
+    }
+
+    /// The scene as it was given, for a message.
+    pub(super) fn name(&self) -> String {
+        printable(&self.scene)
+    }
+
+    /// Loads the scene. Remarks about its files go to standard error. Refuses to write `outputs` over one of its files.
+    pub(super) fn load(&self, outputs: &[&Path], progress: &Progress) -> Result<Loaded, Error> {
+        progress.note(&format!("{}: loading", self.name()));
         let source = SceneSource::parse(&self.scene)?;
         let LoadedScene { world, mut view, remarks } = source.load()?;
-        for remark in remarks {
-            progress.suspend(|| terminal::note(&format!("note: {}: {remark}", source.name())));
-        }
+        outputs.iter().try_for_each(|output| check_output(output))?;
+        progress.suspend(|| terminal::remarks(&source.name(), &remarks));
         if let (Some(eye), Some(look_at)) = (self.eye, self.look_at) {
             view = View { eye, look_at, vertical_fov: FIELD_OF_VIEW, transform: None, light: view.light };
         }
@@ -46,7 +58,7 @@ impl SceneArguments {
         let (width, height) = self.size;
         let in_scene = |error: ViewError| Error::Argument { argument: source.name(), message: error.to_string() };
         let camera = view.check(&world).map(|()| view.camera(width, height)).map_err(in_scene);
-        Ok(Loaded { world, camera, light: view.light, pool: tracer::thread_pool(self.threads.into())? })
+        Ok(Loaded { world, camera, light: view.light })
     }
 }
 

@@ -1,11 +1,13 @@
 //! `raylanes study`: measures everything, writes the report, and returns the table for the terminal.
 
 use std::fmt::Write as _;
+use std::fs;
 use std::io;
+use std::path::Path;
 
 use anstream::{AutoStream, ColorChoice};
 use raylanes::study::{self, Progress};
-use raylanes::tracer::{Error, SceneSource};
+use raylanes::tracer::{Error, SceneSource, check_output, printable_path, start_global_pool};
 
 use super::args::StudyArguments;
 use super::terminal;
@@ -21,22 +23,37 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     } else {
         arguments.scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?
     };
-    let folder = match &arguments.record {
+    let reserved = match &arguments.record {
         Some(name) => study::new_record(name)?,
-        None => {
-            study::try_write(&arguments.out)?;
-            arguments.out.clone()
-        }
+        None => study::reserve(&arguments.out)?,
     };
+    start_global_pool()?;
+    for scene in &scenes {
+        progress.note(&format!("{}: checking", scene.name()));
+        scene.check()?;
+    }
+    check_results(reserved.path())?;
     let StudyArguments { quick, large, seed, peers, .. } = *arguments;
     let record = study::run(&study::Options { scenes, quick, large, seed, peers }, progress)?;
     progress.note("writing");
     let write = if arguments.record.is_some() { study::write_new } else { study::write };
-    write(&record, &folder)?;
+    write(&record, reserved.path())?;
     let color = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut text = study::terminal_table(&record, color);
-    let folder = folder.display();
+    let folder = printable_path(reserved.path());
     writeln!(text, "\nWritten to {folder}: report.html (or report.md and its charts), results.json")
         .expect("strings grow");
     Ok(text)
+}
+
+/// Refuses to replace older results that are unwritable, or that a scene of this study consists of.
+fn check_results(folder: &Path) -> Result<(), Error> {
+    let reading = |source| Error::Io { action: "read", file: folder.into(), source };
+    for entry in fs::read_dir(folder).map_err(reading)? {
+        let file = entry.map_err(reading)?.path();
+        if file.extension().is_some_and(|extension| study::RESULT_EXTENSIONS.iter().any(|known| extension == *known)) {
+            check_output(&file)?;
+        }
+    }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! `raylanes trace`: traces the rays of a picture or of a file several times, and reports the median speed.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use raylanes::geom::{Hit, Ray, Triangle};
@@ -7,11 +8,16 @@ use raylanes::kernels::Kernel;
 use raylanes::registry::Task;
 use raylanes::study::{self, Progress};
 use raylanes::tracer::{self, Error, World};
+use rayon::ThreadPool;
 use serde::Serialize;
 
 use super::args::TraceArguments;
+use super::memory;
 use super::scene::{ChosenKernels, Loaded};
 use super::terminal;
+
+/// A ray, its hit, its place in the picture, and its hit once more for the file.
+const BYTES_PER_RAY: usize = size_of::<Ray<f32>>() + 2 * size_of::<Hit<f32>>() + 4;
 
 /// What `trace --json` prints.
 #[derive(Serialize)]
@@ -39,16 +45,21 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
     progress.suspend(terminal::warn_of_slow_build);
     let scene = &arguments.scene;
     // A large mesh takes long to load, so the other arguments are checked before it.
+    let outputs: Vec<_> = arguments.hits.iter().map(PathBuf::as_path).collect();
+    outputs.iter().try_for_each(|output| tracer::check_output(output))?;
+    let pool = scene.pool()?;
     let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
     let kernels = scene.kernels()?;
-    let Loaded { world, camera, pool, .. } = scene.load(progress)?;
+    let Loaded { world, camera, .. } = pool.install(|| scene.load(&outputs, progress))?;
     let (width, height) = scene.size;
+    let pixels = width as usize * height as usize;
+    memory::check(&scene.name(), &world, file_rays.as_ref().map_or(pixels, Vec::len), BYTES_PER_RAY)?;
     let picture_order = file_rays.is_none().then(|| tracer::block_order(width, height));
     let rays = match file_rays {
         Some(rays) => rays,
         None => camera?.rays(width, height),
     };
-    let (result, mut hits) = kernels.run(Trace { kernels, arguments, world, pool, rays, progress });
+    let (result, mut hits) = kernels.run(Trace { kernels, arguments, world, pool: &pool, rays, progress });
     if let Some(file) = &arguments.hits {
         if let Some(order) = picture_order {
             // The rays of a picture are traced in blocks; the file holds their hits row by row.
@@ -63,7 +74,8 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
     if arguments.json {
         return Ok(serde_json::to_string(&result).expect("plain data") + "\n");
     }
-    let TraceResult { scene, triangles, quadrics, instances, rays, hits, mrays_per_second, .. } = result;
+    let scene = scene.name();
+    let TraceResult { triangles, quadrics, instances, rays, hits, mrays_per_second, .. } = result;
     let TraceResult { checksum, mode, kernel, threads, .. } = result;
     Ok(format!(
         "{scene}: {triangles} triangles, {quadrics} quadrics, {instances} instances, built in {:.3} s, {:.2} MB\n\
@@ -80,7 +92,7 @@ struct Trace<'a> {
     kernels: ChosenKernels,
     arguments: &'a TraceArguments,
     world: World,
-    pool: rayon::ThreadPool,
+    pool: &'a ThreadPool,
     rays: Vec<Ray<f32>>,
     progress: &'a Progress,
 }
@@ -92,13 +104,13 @@ impl Task<Triangle> for Trace<'_> {
         let Self { kernels, arguments, world, pool, rays, progress } = self;
         let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
-        progress.note(&format!("{}: building", arguments.scene.scene));
+        progress.note(&format!("{}: building", arguments.scene.name()));
         let start = Instant::now();
         let scene = pool.install(|| kernels.scene::<K>(world));
         let build_seconds = start.elapsed().as_secs_f64();
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut trace = || pool.install(|| tracer::trace_into(&scene, &rays, any_hit, mode, &mut hits));
-        progress.note(&format!("{}: tracing", arguments.scene.scene));
+        progress.note(&format!("{}: tracing", arguments.scene.name()));
         trace(); // a warm-up, which is not counted
         let mut rates = Vec::new();
         for _ in 0..arguments.repeat {

@@ -29,6 +29,7 @@ mod tests;
 pub mod workload;
 mod write;
 
+pub use crate::files::ReservedFolder;
 pub use figures::claims;
 pub use measure::built_scene::TracerKernel;
 pub use measure::machine::build_warning;
@@ -36,6 +37,6 @@ pub use measure::stats::median;
 pub use measure::{accuracy, coherence, ray_sets, speed};
 pub use present::terminal::terminal_table;
 pub use progress::Progress;
-pub use record::folder::{make_folder, new_record, try_write};
+pub use record::folder::{make_folder, new_record, reserve};
 pub use run::{Options, run};
-pub use write::{write, write_new};
+pub use write::{RESULT_EXTENSIONS, write, write_new};

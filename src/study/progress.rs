@@ -33,9 +33,7 @@ impl Progress {
             .progress_chars("=> ");
         let bar = ProgressBar::new(Self::STEPS).with_style(style);
         // The clock runs on during a long step. One tick a second does not disturb the timings.
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(Duration::from_secs(1));
-        }
+        keep_drawing(&bar, Duration::from_secs(1), || {});
         Self { bar, part: 0.0..1.0 }
     }
 
@@ -45,12 +43,9 @@ impl Progress {
             ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}").expect("the template is well formed");
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()).with_style(style);
         let late = bar.clone();
-        std::thread::spawn(move || {
+        keep_drawing(&bar, Duration::from_millis(250), move || {
             std::thread::sleep(Duration::from_millis(500));
             late.set_draw_target(ProgressDrawTarget::stderr());
-            if !late.is_hidden() {
-                late.enable_steady_tick(Duration::from_millis(250));
-            }
         });
         Self { bar, part: 0.0..1.0 }
     }
@@ -97,6 +92,21 @@ impl Progress {
     pub fn clear(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Draws the line again and again until it is cleared, in a thread that calls `begin` first. `indicatif` could do this,
+/// but it panics if the system has no thread left. Here the line then only stands still.
+fn keep_drawing(bar: &ProgressBar, interval: Duration, begin: impl FnOnce() + Send + 'static) {
+    let bar = bar.downgrade();
+    let draw = move || {
+        begin();
+        while let Some(bar) = bar.upgrade().filter(|bar| !bar.is_hidden() && !bar.is_finished()) {
+            bar.tick();
+            drop(bar);
+            std::thread::sleep(interval);
+        }
+    };
+    let _ = std::thread::Builder::new().spawn(draw);
 }
 
 /// The remaining time, if the work goes on at its average speed so far. Between two steps it counts down.

@@ -9,6 +9,9 @@ use super::record::{Record, one_row_per_line};
 use crate::files::{write_new_folder, write_together};
 use crate::tracer::Error;
 
+/// Extensions of the files of a record.
+pub const RESULT_EXTENSIONS: [&str; 4] = ["json", "md", "html", "svg"];
+
 /// Writes a record into a folder: `results.json`, `report.md` with its charts, and the same report as one page,
 /// `report.html`. Makes the folder if it does not exist. Removes nothing, and replaces no file before all are written.
 ///

@@ -47,13 +47,14 @@ mod bvh;
 mod image;
 mod leaf;
 mod load;
+mod memory;
 mod meshes;
 mod scene;
 mod trace;
 mod walk;
 
-pub use crate::error::Error;
-pub use crate::files::{hold_writes, write_atomically};
+pub use crate::error::{Error, printable, printable_path};
+pub use crate::files::{check_output, hold_writes, write_atomically};
 pub use image::{
     Camera, Differences, Light, OCCLUSION_RAYS, Picture, Shade, Shot, View, ViewError, block_order, compare,
     parse_point, picture_hits, shade,
@@ -61,7 +62,12 @@ pub use image::{
 #[cfg(feature = "study")]
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, starts};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
+pub use memory::check_memory;
 pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
 pub use scene::{Checker, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
-pub use trace::{Mode, checksum, count, read_rays, thread_pool, trace, trace_into, write_hits, write_rays};
+#[cfg(feature = "study")]
+pub(crate) use trace::threads_refused;
+pub use trace::{
+    Mode, checksum, count, read_rays, start_global_pool, thread_pool, trace, trace_into, write_hits, write_rays,
+};
 pub use walk::TraversalStats;

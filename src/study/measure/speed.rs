@@ -14,8 +14,9 @@
 //! is slow for a while, all jobs suffer equally.
 
 use std::hint::black_box;
+use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicIsize, Ordering};
 use std::time::Instant;
 
 use wide::{f32x8, u32x8};
@@ -27,7 +28,7 @@ use crate::kernels::{Intersect, Kernel, Shape};
 use crate::registry::Visitor;
 use crate::study::record::{MethodRow, SpeedRow};
 use crate::study::workload::{RAYS_PER_SAMPLE, Subject, Workload, rng};
-use crate::tracer::{Error, checksum};
+use crate::tracer::{Error, checksum, threads_refused};
 
 /// Number of rays of a pass.
 pub const RAYS: usize = 8192;
@@ -285,14 +286,15 @@ impl Speed {
     /// `after_round` with the share of the rounds that is done.
     ///
     /// # Errors
-    /// If two widths or two threads of a kernel give different hits: a timing of wrong results is worthless.
+    /// If two widths or two threads of a kernel give different hits: a timing of wrong results is worthless. Or if the
+    /// system does not grant the threads.
     pub(crate) fn measure(
         &self,
         samples: usize,
         thread_counts: &[usize],
         after_round: &mut dyn FnMut(f64),
     ) -> Result<Vec<SpeedRow>, Error> {
-        let expected: Vec<u64> = self.jobs.iter().map(|job| timed(job, 1).1[0]).collect();
+        let expected = self.jobs.iter().map(|job| Ok(timed(job, 1)?.1[0])).collect::<Result<Vec<u64>, Error>>()?;
         for (job, sum) in self.jobs.iter().zip(&expected) {
             let first =
                 self.jobs.iter().position(|other| other.id == job.id).expect("the list contains the job itself");
@@ -305,7 +307,7 @@ impl Speed {
             for (slot, times) in times.iter_mut().enumerate() {
                 // All jobs with one thread count come before those with the next: no job is timed twice in a row.
                 let (index, threads) = (slot % self.jobs.len(), thread_counts[slot / self.jobs.len()]);
-                let (seconds, sums) = timed(&self.jobs[index], threads);
+                let (seconds, sums) = timed(&self.jobs[index], threads)?;
                 if sums.iter().any(|sum| *sum != expected[index]) {
                     return Err(Error::Disagreement(format!("{} while it was timed", self.jobs[index].id)));
                 }
@@ -364,8 +366,11 @@ impl<S: Subject> Visitor<S> for Speed {
 
 /// Runs the job once on each of `threads` threads at the same time. Returns the seconds until the last one is done, and
 /// the checksum of each.
-fn timed(job: &Job, threads: usize) -> (f64, Vec<u64>) {
-    let waiting = AtomicUsize::new(threads);
+///
+/// # Errors
+/// If the system does not grant the threads.
+fn timed(job: &Job, threads: usize) -> Result<(f64, Vec<u64>), Error> {
+    let waiting = AtomicIsize::new(threads.cast_signed());
     let run = || {
         let mut hits = vec![Hit::MISS; RAYS];
         (job.warm_up)(&mut hits);
@@ -379,14 +384,17 @@ fn timed(job: &Job, threads: usize) -> (f64, Vec<u64>) {
         (start, Instant::now(), checksum(&hits))
     };
     let done = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads).map(|_| scope.spawn(run)).collect();
+        let others = (1..threads).map(|_| std::thread::Builder::new().spawn_scoped(scope, run));
+        // The threads that did start need not wait for the others.
+        let others = others.collect::<io::Result<Vec<_>>>().inspect_err(|_| waiting.store(0, Ordering::Release))?;
         let mut done = vec![run()];
         done.extend(others.into_iter().map(|other| other.join().expect("timed jobs do not panic")));
-        done
+        Ok(done)
     });
+    let done = done.map_err(|error: io::Error| threads_refused(threads, &error))?;
     let start = done.iter().map(|(start, ..)| *start).min().expect("at least one thread ran");
     let end = done.iter().map(|(_, end, _)| *end).max().expect("at least one thread ran");
-    ((end - start).as_secs_f64(), done.into_iter().map(|(.., sum)| sum).collect())
+    Ok(((end - start).as_secs_f64(), done.into_iter().map(|(.., sum)| sum).collect()))
 }
 
 #[cfg(test)]

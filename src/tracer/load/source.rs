@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::builtin::BuiltIn;
-use super::loaded::{LoadedScene, has_extension, obj_remarks};
+use super::loaded::{LoadedScene, has_extension, load_mesh, obj_remarks};
 use super::scene_file::load_scene;
-use crate::error::Error;
+use crate::error::{Error, printable};
 use crate::tracer::image::View;
-use crate::tracer::meshes::load_obj;
 
 /// A scene to load.
 #[derive(Clone, Debug)]
@@ -50,13 +49,27 @@ impl SceneSource {
         })
     }
 
-    /// The built-in name with its size, or the file's name without its folder.
+    /// The built-in name with its size, or the file's name without its folder. As tables and messages show it; see
+    /// [`printable`].
     pub fn name(&self) -> String {
         match self {
             Self::BuiltIn { name, .. } => name.clone(),
             Self::Obj(path) | Self::Toml(path) => {
-                path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+                printable(&path.file_name().unwrap_or(path.as_os_str()).to_string_lossy())
             }
+        }
+    }
+
+    /// Reads the files of the scene once, to find an error in them before long work. Does nothing for a pipe, which can
+    /// be read only once, and for a built-in scene.
+    ///
+    /// # Errors
+    /// If a file cannot be read or is not valid.
+    pub fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::Obj(path) | Self::Toml(path) if path.metadata().is_ok_and(|file| !file.is_file()) => Ok(()),
+            Self::BuiltIn { .. } => Ok(()),
+            Self::Obj(_) | Self::Toml(_) => self.load().map(drop),
         }
     }
 
@@ -68,7 +81,7 @@ impl SceneSource {
         match self {
             Self::BuiltIn { scene, .. } => scene.load(),
             Self::Obj(path) => {
-                let (mesh, report) = load_obj(path)?;
+                let (mesh, report) = load_mesh(path)?;
                 let view = View::around(&mesh.bounds());
                 Ok(LoadedScene { world: mesh.into(), view, remarks: obj_remarks(report) })
             }

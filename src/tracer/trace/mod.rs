@@ -4,7 +4,11 @@ mod incoherent;
 mod mode;
 mod ray_file;
 mod run;
+mod threads;
 
 pub use mode::Mode;
 pub use ray_file::{read_rays, write_hits, write_rays};
-pub use run::{checksum, count, thread_pool, trace, trace_into};
+pub use run::{checksum, count, trace, trace_into};
+#[cfg(feature = "study")]
+pub(crate) use threads::refused as threads_refused;
+pub use threads::{start_global_pool, thread_pool};

@@ -1,48 +1,50 @@
 //! Raw files of rays and hits: 32-bit little-endian numbers, no header.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use glam::Vec3;
 
 use crate::error::Error;
-use crate::files::write_atomically;
+use crate::files::{Input, write_atomically};
 use crate::geom::{Hit, Ray};
 
 const RAY_BYTES: usize = 32;
 const HIT_BYTES: usize = 16;
 
-/// Largest number of rays in a file: 4 GiB. Without a limit, an endless device would fill the memory.
-const MAX_RAYS: usize = 1 << 27;
+/// Largest size of a file: 134,217,728 rays. Without a limit, an endless device would fill the memory.
+const MAX_BYTES: u64 = 1 << 32;
 
 /// Reads rays: eight `f32` each, `ox oy oz t_min dx dy dz t_max`. Every value is allowed: an invalid ray misses.
 ///
 /// # Errors
-/// If the file cannot be read, ends inside a ray, has no rays, or has more than 134,217,728 rays.
+/// If the file cannot be read, ends inside a ray, has no rays, has more than 134,217,728 rays, or if its rays do not fit
+/// into memory.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<f32>>, Error> {
-    read_at_most(MAX_RAYS, path)
+    read_at_most(MAX_BYTES, path)
 }
 
-fn read_at_most(max_rays: usize, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
+fn read_at_most(max_bytes: u64, path: &Path) -> Result<Vec<Ray<f32>>, Error> {
     // Read in chunks, so that a large file is never in memory twice.
     const CHUNK_BYTES: usize = RAY_BYTES << 15;
-    let mut file = File::open(path).map_err(Error::reading(path))?;
+    let mut file = Input::open(path, max_bytes)?;
+    let not_enough_memory = |bytes| Error::in_file(path, format!("not enough memory: the rays take {bytes} bytes"));
     let mut rays = Vec::new();
+    if let Some(bytes) = file.size() {
+        rays.try_reserve_exact(bytes as usize / RAY_BYTES).map_err(|_| not_enough_memory(bytes))?;
+    }
     let mut chunk = Vec::with_capacity(CHUNK_BYTES);
     loop {
         chunk.clear();
         (&mut file).take(CHUNK_BYTES as u64).read_to_end(&mut chunk).map_err(Error::reading(path))?;
         let (complete, rest) = chunk.as_chunks();
+        rays.try_reserve(complete.len()).map_err(|_| not_enough_memory((rays.len() * RAY_BYTES) as u64))?;
         rays.extend(complete.iter().map(decode_ray));
         if !rest.is_empty() {
             let bytes = rays.len() * RAY_BYTES + rest.len();
             let message =
                 format!("truncated: {bytes} bytes is not a multiple of {RAY_BYTES} (ray {} is incomplete)", rays.len());
             return Err(Error::in_file(path, message));
-        }
-        if rays.len() > max_rays {
-            return Err(Error::in_file(path, format!("more than {max_rays} rays: trace them in parts")));
         }
         if chunk.len() < CHUNK_BYTES {
             break;
@@ -148,8 +150,9 @@ mod tests {
     fn files_with_too_many_rays_are_refused() {
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
         write_rays(&path, &[Ray::INACTIVE; 3]).unwrap();
-        assert_eq!(read_at_most(3, &path).unwrap().len(), 3);
-        assert!(read_at_most(2, &path).unwrap_err().to_string().contains("more than 2 rays"));
+        assert_eq!(read_at_most(96, &path).unwrap().len(), 3);
+        let error = read_at_most(95, &path).unwrap_err().to_string();
+        assert_eq!(error, format!("cannot read {}: longer than 95 bytes", path.display()));
     }
 
     #[test]

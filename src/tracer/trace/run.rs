@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::incoherent::{self, IncoherentRays};
 use super::mode::Mode;
-use crate::error::Error;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::scene::{Scene, Scratch};
@@ -148,17 +147,6 @@ fn trace_blocks<const ANY: bool, K: Kernel<Shape = Triangle>>(
         incoherent.extend(start, rays, hits);
     }
     incoherent
-}
-
-/// A pool of `threads` threads, to run [`trace`] or [`Scene::new`] in. 0 means one per processor.
-///
-/// # Errors
-/// If the system does not grant the threads.
-pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, Error> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Error::Argument { argument: format!("{threads} threads"), message: error.to_string() })
 }
 
 /// FNV-1a over the bits of every hit, in order. Equal hits have equal checksums.

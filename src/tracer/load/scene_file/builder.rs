@@ -13,10 +13,10 @@ use super::number::Color;
 use super::quadric::QuadricTable;
 use super::scatter::{self, Ground, Variation};
 use super::transform::{compose2, compose3};
-use crate::error::{Error, quoted};
-use crate::tracer::load::loaded::{has_extension, obj_remarks};
+use crate::error::{Error, printable, quoted};
+use crate::tracer::load::loaded::{has_extension, load_mesh, obj_remarks};
+use crate::tracer::memory::check_memory;
 use crate::tracer::meshes::generator::{DEFAULT_SIZE, Generator, MAX_SIZE};
-use crate::tracer::meshes::load_obj;
 use crate::tracer::scene::{Checker, Geometry, Paint, Placement, World, is_singular};
 
 /// The world as far as it has been read.
@@ -56,17 +56,21 @@ impl<'a> WorldBuilder<'a> {
                     return Err(SpanError::new(file.span(), message).into());
                 }
                 let path = self.path.with_file_name("").join(file.get_ref());
-                let (mesh, report) = load_obj(&path).map_err(SceneError::Other)?;
+                let (mesh, report) = load_mesh(&path).map_err(SceneError::Other)?;
                 let remarks = obj_remarks(report).into_iter();
-                self.remarks.extend(remarks.map(|remark| format!("{}: {remark}", name.get_ref())));
+                self.remarks.extend(remarks.map(|remark| format!("{}: {remark}", printable(name.get_ref()))));
                 mesh
             }
-            (None, Some(generator)) => Generator::parse(generator.get_ref(), self.size.unwrap_or(DEFAULT_SIZE))
-                .map_err(|message| {
+            (None, Some(generator)) => {
+                let refused = |message: String| {
                     let message = format!("{message}: {}", quoted(generator.get_ref().as_bytes()));
                     SpanError::new(generator.span(), message)
-                })?
-                .mesh(),
+                };
+                let parsed =
+                    Generator::parse(generator.get_ref(), self.size.unwrap_or(DEFAULT_SIZE)).map_err(refused)?;
+                check_memory(parsed.bytes()).map_err(refused)?;
+                parsed.mesh()
+            }
             _ => return Err(SpanError::new(span, "a mesh needs either file or generator").into()),
         };
         self.add_geometry(name, Geometry::Mesh(mesh))
@@ -137,6 +141,10 @@ impl<'a> WorldBuilder<'a> {
             let span = scatter.count.as_ref().map_or(span, Spanned::span);
             return Err(SpanError::new(span, format!("more than {MAX_SIZE} instances")).into());
         }
+        self.placements.try_reserve_exact(count as usize).map_err(|_| {
+            let bytes = count as usize * size_of::<Placement>();
+            SpanError::new(span.clone(), format!("not enough memory: {count} instances take {bytes} bytes"))
+        })?;
         let ground = match &scatter.on {
             None => None,
             Some(on) => {
@@ -193,8 +201,14 @@ impl<'a> WorldBuilder<'a> {
         for placement in &self.placements {
             is_placed[placement.geometry as usize] = true;
         }
-        let never_placed = self.names.iter().zip(is_placed).filter(|(_, is_placed)| !is_placed);
-        self.remarks.extend(never_placed.map(|(name, _)| format!("never placed: {}", quoted_name(name))));
+        let mut never_placed = self.names.iter().zip(is_placed).filter(|(_, is_placed)| !is_placed);
+        if let Some((first, _)) = never_placed.next() {
+            let more = match never_placed.count() {
+                0 => String::new(),
+                count => format!(" (and {count} more)"),
+            };
+            self.remarks.push(format!("never placed: {}{more}", quoted_name(first)));
+        }
         let world = World::new(self.geometries, self.placements)
             .map_err(|error| SceneError::Other(Error::in_file(self.path, error.to_string())))?;
         Ok((world, self.remarks))

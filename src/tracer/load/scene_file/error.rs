@@ -39,15 +39,25 @@ pub(super) struct SpanError {
     message: String,
 }
 
-impl From<toml::de::Error> for SpanError {
-    fn from(error: toml::de::Error) -> Self {
-        Self { span: error.span().unwrap_or(0..0), message: error.message().to_owned() }
-    }
-}
-
 impl SpanError {
     pub(super) fn new(span: Range<usize>, message: impl Into<String>) -> Self {
         Self { span, message: message.into() }
+    }
+
+    /// An error of the parser. It has no place if a key has too many parts. Then this finds the line.
+    pub(super) fn of_parser(error: &toml::de::Error, text: &str) -> Self {
+        let span = error.span().unwrap_or_else(|| {
+            let starts: Vec<_> =
+                text.split_inclusive('\n').map(|line| line.as_ptr().addr() - text.as_ptr().addr()).collect();
+            // The error is in the first line with which the file up to there has such an error.
+            let has_it = |start: usize| {
+                let end = text[start..].find('\n').map_or(text.len(), |length| start + length);
+                DeTable::parse(&text[..end]).is_err_and(|error| error.span().is_none())
+            };
+            let start = starts.get(starts.partition_point(|&start| !has_it(start))).copied().unwrap_or(0);
+            start..start
+        });
+        Self { span, message: error.message().to_owned() }
     }
 
     /// The error to print: `file:line: key: message`. A file that is not TOML has no keys; then it is

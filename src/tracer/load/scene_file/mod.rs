@@ -12,15 +12,15 @@ mod scatter;
 mod transform;
 mod view;
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use self::builder::WorldBuilder;
-use self::error::SceneError;
+use self::error::{SceneError, SpanError};
 use self::format::SceneFile;
 use super::loaded::LoadedScene;
 use crate::error::{Error, quoted};
+use crate::files::Input;
 
 /// Largest size in bytes of a scene file.
 const MAX_BYTES: u64 = 1 << 24;
@@ -74,11 +74,7 @@ const MAX_BYTES: u64 = 1 << 24;
 /// If a file cannot be read or is not valid. The error names the line and the key.
 pub fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(Error::reading(path))?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(Error::reading(path))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(Error::in_file(path, format!("longer than {MAX_BYTES} bytes")));
-    }
+    Input::open(path, MAX_BYTES)?.read_to_end(&mut bytes).map_err(Error::reading(path))?;
     let text = str::from_utf8(&bytes).map_err(|error| {
         let (before, rest) = bytes.split_at(error.valid_up_to());
         let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
@@ -95,7 +91,7 @@ pub(crate) fn from_text(file: &Path, text: &str, size: Option<u32>) -> Result<Lo
 }
 
 fn make_scene(path: &Path, text: &str, size: Option<u32>) -> Result<LoadedScene, SceneError> {
-    let file: SceneFile = toml::from_str(text)?;
+    let file: SceneFile = toml::from_str(text).map_err(|error| SpanError::of_parser(&error, text))?;
     let mut builder = WorldBuilder::new(path, size);
     for mesh in &file.mesh {
         builder.add_mesh(mesh)?;

@@ -31,6 +31,19 @@ enum Kind {
     Square,
 }
 
+impl Kind {
+    /// The number of triangles as a function of the resolution.
+    fn triangles(self) -> fn(u32) -> u32 {
+        match self {
+            Self::Room => room::triangles,
+            Self::Terrain => terrain::triangles,
+            Self::Sphere => sphere::triangles,
+            Self::Tree => tree::triangles,
+            Self::Square => |_| u32::MAX,
+        }
+    }
+}
+
 const KINDS: [(&str, Kind); 5] = [
     ("room", Kind::Room),
     ("terrain", Kind::Terrain),
@@ -74,16 +87,17 @@ impl Generator {
 
     /// Uses the smallest resolution that gives at least this many triangles.
     fn with_triangles(kind: Kind, triangles: u32) -> Self {
-        let count = match kind {
-            Kind::Room => room::triangles,
-            Kind::Terrain => terrain::triangles,
-            Kind::Sphere => sphere::triangles,
-            Kind::Tree => tree::triangles,
-            Kind::Square => |_| u32::MAX,
-        };
+        let count = kind.triangles();
         // Counts grow with the square of the resolution, so this takes a few thousand steps at most.
         let resolution = (1..).find(|&resolution| count(resolution) >= triangles).unwrap_or(u32::MAX);
         Self { kind, resolution }
+    }
+
+    /// About the memory that making the mesh takes: indices, vertices, and as much again for vectors that grow.
+    pub(crate) fn bytes(self) -> usize {
+        const PER_TRIANGLE: usize = 40;
+        let triangles = if self.kind == Kind::Square { 2 } else { self.kind.triangles()(self.resolution) };
+        triangles as usize * PER_TRIANGLE
     }
 
     /// Makes the mesh.

@@ -1,11 +1,14 @@
 //! A reader that gives `tobj` one checked line at a time, so that errors can name the line.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::line::{Line, LineError};
 use crate::error::{Error, quoted};
+use crate::files::Input;
+
+/// Largest size in bytes of a file. A pipe or a device may never end.
+const MAX_BYTES: u64 = 1 << 33;
 
 /// Largest length in bytes of a line, with the lines joined to it. It bounds the memory that a binary file can take. A
 /// face with a million vertices fits.
@@ -39,7 +42,7 @@ pub(super) trait LineChecker {
 /// one. So an error, here or in the parser, always belongs to the current line.
 pub(super) struct CheckedReader<'a, C> {
     file: &'a Path,
-    source: BufReader<File>,
+    source: BufReader<Input>,
     checker: C,
     /// Number of the next line in the file, counted from 1.
     next_number: usize,
@@ -57,7 +60,7 @@ pub(super) struct CheckedReader<'a, C> {
 
 impl<'a, C: LineChecker> CheckedReader<'a, C> {
     pub(super) fn open(file: &'a Path, checker: C) -> Result<Self, Error> {
-        let mut source = BufReader::new(File::open(file).map_err(Error::reading(file))?);
+        let mut source = BufReader::new(Input::open(file, MAX_BYTES)?);
         if let Some(encoding) = wide_encoding(source.fill_buf().map_err(Error::reading(file))?) {
             let message = format!("the text is {encoding}, expected UTF-8; iconv -f {encoding} -t UTF-8 converts it");
             return Err(Error::in_line(file, 1, message));

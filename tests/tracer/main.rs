@@ -3,7 +3,10 @@
 //! The ways are: testing all primitives of all instances, single rays, packets, coherent and shuffled order, one and
 //! two threads, closest hit and any hit.
 
+mod pictures;
+#[path = "../random/mod.rs"]
 mod random;
+#[path = "../worlds/mod.rs"]
 mod worlds;
 
 use glam::{Affine3, Mat3, Vec3};

@@ -1,9 +1,6 @@
 //! Pictures at every scale and place: shadows stay, surfaces do not shade themselves, and a view that gives no picture
 //! is refused.
 
-mod random;
-mod worlds;
-
 use glam::{Affine3, Vec3};
 use raylanes::geom::{Aabb, Quadric};
 use raylanes::kernels::triangle::Woop;
@@ -11,7 +8,7 @@ use raylanes::tracer::{
     Camera, Geometry, Light, Mode, Picture, Scene, Shade, Shot, View, ViewError, World, picture_hits, shade,
 };
 
-use worlds::{built_in_mesh, mesh, place};
+use crate::worlds::{self, built_in_mesh, mesh, place};
 
 const SIZE: u32 = 64;
 

@@ -1,5 +1,16 @@
 //! Runs the program: what it prints and writes, that an error is one line and exit code 2, and what an interrupt does.
 
+mod errors;
+#[cfg(target_os = "linux")]
+mod interrupted;
+#[cfg(unix)]
+mod mutations;
+#[cfg(unix)]
+#[path = "../random/mod.rs"]
+mod random;
+#[cfg(unix)]
+mod resources;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -118,7 +129,7 @@ fn a_wrong_argument_is_an_error_that_says_what_was_expected() {
         &["render", "room:small"],
         &["paint"],
     ] {
-        assert_eq!(raylanes(arguments).status.code(), Some(2), "{arguments:?}");
+        fails(arguments, &["raylanes: "]);
     }
 }
 
@@ -287,28 +298,6 @@ fn a_failed_write_is_an_error_and_leaves_nothing_behind() {
     assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1, "something was left behind");
 }
 
-/// A limit on file sizes stands for a disk that fills up. Writing to `/dev/full` would be dangerous: a bug that
-/// replaces the target would delete the device.
-#[cfg(unix)]
-#[test]
-fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
-    let folder = Folder::new("full");
-    let out = folder.0.join("out");
-    for arguments in [&["render", "room:small", "-o"][..], &["trace", "room:small", "--repeat", "1", "--hits"]] {
-        let output = Command::new("sh")
-            .args(["-c", "ulimit -f 1; trap '' XFSZ; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_raylanes")])
-            .args(arguments)
-            .args([text(&out), "--size", "256x256"])
-            .output()
-            .unwrap();
-        let error = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{error}");
-        assert!(error.contains("cannot write") && error.contains("File too large"), "{error}");
-        assert_eq!(error.lines().count(), 1, "{error}");
-        assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0, "something was left behind");
-    }
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_standard_output_is_an_error() {
@@ -387,97 +376,4 @@ fn an_impossible_record_is_refused_before_the_study_starts() {
     fails_in(&folder.0, &["study", "--quick", "--record", "a"], &["reports", "-a", "Not a directory"]);
     assert_eq!(folder.names(), ["reports"]);
     assert!(begin.elapsed() < Duration::from_secs(5), "the study was started");
-}
-
-/// Interrupts the program with real signals.
-#[cfg(target_os = "linux")]
-mod interrupted {
-    use std::io::Read;
-    use std::process::Child;
-
-    use super::*;
-
-    const NOTHING: &str = "raylanes: interrupted, nothing was written";
-
-    /// Starts the program and waits until it handles signals. Signals have their default action, even if the tests run
-    /// under `nohup`.
-    fn start(folder: &Folder, arguments: &[&str]) -> Child {
-        let mut program = Command::new("env");
-        program.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_raylanes")]).args(arguments);
-        let child = program.current_dir(&folder.0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let ready = || {
-            let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
-            let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
-            u64::from_str_radix(caught.trim(), 16).unwrap() >> 14 & 1 == 1
-        };
-        wait_until("the program handles signals", ready);
-        child
-    }
-
-    fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-        let begin = Instant::now();
-        while !is_so() {
-            assert!(begin.elapsed() < Duration::from_secs(60), "{what}: not within a minute");
-            std::thread::sleep(Duration::from_millis(1));
-        }
-    }
-
-    /// Sends a signal; returns the exit code and the lines of standard error.
-    fn interrupt(mut child: Child, signal: &str) -> (Option<i32>, Vec<String>) {
-        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
-        wait_until("the program exits", || child.try_wait().unwrap().is_some());
-        let mut stderr = Vec::new();
-        child.stderr.take().unwrap().read_to_end(&mut stderr).unwrap();
-        (child.wait().unwrap().code(), error_lines(&stderr))
-    }
-
-    #[test]
-    fn an_interrupted_study_leaves_nothing_behind() {
-        let folder = Folder::new("interrupted-study");
-        for (delay, signal) in [(0, "-INT"), (20, "-TERM"), (500, "-INT"), (2000, "-INT")] {
-            for target in [["--record", "x"], ["--out", "some/where"]] {
-                let child = start(&folder, &[&["study", "--quick"][..], &target].concat());
-                std::thread::sleep(Duration::from_millis(delay));
-                assert_eq!(interrupt(child, signal), (Some(130), vec![NOTHING.to_owned()]), "{delay} {target:?}");
-                assert!(folder.names().is_empty(), "{delay} {target:?}: {:?}", folder.names());
-            }
-        }
-    }
-
-    #[test]
-    fn an_interrupted_file_is_complete_or_absent_and_the_message_says_which() {
-        let folder = Folder::new("interrupted-file");
-        let arguments = ["trace", "room:small", "--size", "1024x1024", "--repeat", "1", "--hits", "out"];
-        let mut outcomes = [0; 2];
-        for step in 0..24 {
-            let child = start(&folder, &arguments);
-            // The delays reach from before the scene is built to after everything is written.
-            std::thread::sleep(Duration::from_millis(25 * step));
-            let (code, lines) = interrupt(child, "-INT");
-            let written = folder.names();
-            if written.is_empty() {
-                assert_eq!((code, lines), (Some(130), vec![NOTHING.to_owned()]));
-            } else {
-                assert_eq!(written, ["out"]);
-                assert_eq!(fs::metadata(folder.0.join("out")).unwrap().len(), 1024 * 1024 * 16);
-                if code != Some(0) {
-                    assert_eq!((code, lines), (Some(130), vec!["raylanes: interrupted after writing to out".into()]));
-                }
-                fs::remove_file(folder.0.join("out")).unwrap();
-            }
-            outcomes[usize::from(!written.is_empty())] += 1;
-        }
-        assert!(outcomes[0] > 0, "{outcomes:?}: every interrupt came too late");
-    }
-
-    #[test]
-    fn waiting_for_a_reader_does_not_block_the_interrupt() {
-        let folder = Folder::new("interrupted-output");
-        let arguments = ["trace", "room:small", "--size", "256x256", "--repeat", "1", "--hits", "/dev/stdout"];
-        let mut child = start(&folder, &arguments);
-        let mut stdout = child.stdout.take().unwrap();
-        stdout.read_exact(&mut [0]).unwrap();
-        let line = "raylanes: interrupted after writing to /dev/stdout".to_owned();
-        assert_eq!(interrupt(child, "-INT"), (Some(130), vec![line]));
-    }
 }
