@@ -57,11 +57,18 @@ fn wrong_pixels(expected: &Picture, got: &Picture) -> usize {
     (0..SIZE * SIZE).filter(|pixel| !near(pixel % SIZE, pixel / SIZE)).count()
 }
 
+/// Pixels that no light reaches.
+fn dark_pixels(picture: &Picture) -> usize {
+    (0..SIZE * SIZE).filter(|pixel| brightness(picture, pixel % SIZE, pixel / SIZE) < 0.3).count()
+}
+
 const LIGHT: Light = Light::Directional(Vec3::new(1.0, 1.0, 0.3));
 
 #[test]
 fn a_shadow_stays_on_the_largest_ground() {
     let expected = picture(balls_on_ground(1e3, Vec3::ZERO), Vec3::ZERO, LIGHT, Shade::Lambert);
+    // The shadows of two balls, which cover a fortieth of the picture each.
+    assert!((100..300).contains(&dark_pixels(&expected)), "{} pixels in shadow", dark_pixels(&expected));
     for half_width in [3e4, 1e6, 1e9] {
         let got = picture(balls_on_ground(half_width, Vec3::ZERO), Vec3::ZERO, LIGHT, Shade::Lambert);
         assert_eq!(wrong_pixels(&expected, &got), 0, "ground of {half_width:e}");
@@ -77,6 +84,7 @@ fn surfaces_far_from_the_origin_do_not_shade_themselves() {
                 picture(balls_on_ground(20.0, at), at, light, shading)
             };
             let expected = at_place(Vec3::ZERO);
+            assert!(dark_pixels(&expected) < 500, "{shading:?}: {} dark pixels", dark_pixels(&expected));
             for at in [Vec3::X * 1e5, Vec3::Z * -1e5, Vec3::new(1e4, 1e4, -1e4)] {
                 let wrong = wrong_pixels(&expected, &at_place(at));
                 assert!(wrong <= 2, "{shading:?}, point light {point}, at {at}: {wrong} pixels");
@@ -107,8 +115,7 @@ fn nothing_shades_itself_inside_a_sphere() {
             let camera = Camera::new(at, at + Vec3::new(0.3, 0.2, 1.0) * scale, 120.0, SIZE, SIZE);
             let shot = Shot { camera, light: Light::Point(at), mode: Mode::Auto, width: SIZE, height: SIZE };
             let got = shade(&scene, &shot, &picture_hits(&scene, &shot), Shade::Lambert);
-            let dark = (0..SIZE * SIZE).filter(|pixel| brightness(&got, pixel % SIZE, pixel / SIZE) < 0.3).count();
-            assert_eq!(dark, 0, "scale {scale:e}, at {at}");
+            assert_eq!(dark_pixels(&got), 0, "scale {scale:e}, at {at}");
         }
     }
 }
