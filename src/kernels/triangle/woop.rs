@@ -41,9 +41,12 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::{Vertices, normal, sign_agreement, sign_agreement8};
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, ge8, t_in_range, t_in_range8, to_f32x8, to_f64x8};
+use crate::geom::lanes::{
+    Lanes, Mask8, Vec3x8, eq8, ge8, lt8, max, max8, t_in_range, t_in_range8, to_f32x8, to_f64x8,
+};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
+use crate::kernels::plane::plane_t;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -103,7 +106,7 @@ impl Intersect<f32> for Woop<f32> {
         }
 
         // Compute t and test its range.
-        sheared.hit(signs >= 0.0, weights, ray, setup)
+        sheared.hit(signs >= 0.0, weights, vertices, ray, setup)
     }
 }
 
@@ -133,7 +136,7 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
         }
 
         // Compute t and test its range.
-        sheared.hit(ge8(signs, f32x8::ZERO), weights, ray, setup)
+        sheared.hit(ge8(signs, f32x8::ZERO), weights, &vertices, ray, setup)
     }
 }
 
@@ -289,6 +292,22 @@ pub(super) struct Sheared8 {
     c: Vec3x8,
 }
 
+/// A hit is closer to the ray's start than this share of the farthest vertex, measured along the axis: its `t` is
+/// taken from the plane.
+const CANCELS: f32 = 0.125;
+
+/// `plane_t` in the lanes of `mask`, `t` in the others. Takes everything by value: a reference would keep all of it in
+/// memory.
+#[cold]
+#[inline(never)]
+fn planes_t(mask: Mask8, Vertices { v0, v1, v2 }: Vertices<f32x8>, ray: Ray<f32x8>, t: f32x8) -> f32x8 {
+    let mut t = t.to_array();
+    for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| mask.bits() >> lane & 1 == 1) {
+        *t = plane_t([v0.lane(lane), v1.lane(lane), v2.lane(lane)], ray.origin.lane(lane), ray.dir.lane(lane));
+    }
+    f32x8::new(t)
+}
+
 #[inline(always)]
 fn cross2((p, q): (Vec3, Vec3)) -> f32 {
     p.x * q.y - p.y * q.x
@@ -339,8 +358,16 @@ impl Sheared {
         })
     }
 
+    /// The hit, if the signs of the weights say `inside`. `vertices` are those before the shear.
     #[inline(always)]
-    pub(super) fn hit(&self, inside: bool, weights: [f32; 3], ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    pub(super) fn hit(
+        &self,
+        inside: bool,
+        weights: [f32; 3],
+        vertices: &Vertices<f32>,
+        ray: &Ray<f32>,
+        setup: &Shear,
+    ) -> Hit<f32> {
         if !inside {
             return Hit::MISS;
         }
@@ -350,8 +377,17 @@ impl Sheared {
         let inv_det = 1.0 / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
 
-        // Interpolate t and test its range. A NaN in any weight makes t NaN: a miss.
-        let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
+        // Interpolate t. A NaN in any weight makes t NaN: a miss.
+        let along = u * self.b.z + v * self.c.z + w * self.a.z;
+        let mut t = along * setup.z;
+
+        // Where the sum cancels, rounding may have changed its sign. Take t from the plane.
+        let [a, b, c] = [self.a.z.abs(), self.b.z.abs(), self.c.z.abs()];
+        if along.abs() < CANCELS * max(max(a, b), c) {
+            t = plane_t([vertices.v0, vertices.v1, vertices.v2], ray.origin, ray.dir);
+        }
+
+        // Test the range of t.
         Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
@@ -396,14 +432,31 @@ impl Sheared8 {
 
     /// [`Sheared::hit`] in eight lanes.
     #[inline(always)]
-    pub(super) fn hit(&self, inside: Mask8, weights: [f32x8; 3], ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    pub(super) fn hit(
+        &self,
+        inside: Mask8,
+        weights: [f32x8; 3],
+        vertices: &Vertices<f32x8>,
+        ray: &Ray<f32x8>,
+        setup: &Shear8,
+    ) -> Hit<f32x8> {
         // Normalise the weights.
         let [u, v, w] = weights;
         let inv_det = f32x8::ONE / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
 
-        // Interpolate t and test its range. A NaN in any weight makes t NaN: a miss.
-        let t = (u * self.b.z + v * self.c.z + w * self.a.z) * setup.z;
+        // Interpolate t. A NaN in any weight makes t NaN: a miss.
+        let along = u * self.b.z + v * self.c.z + w * self.a.z;
+        let mut t = along * setup.z;
+
+        // Where the sum cancels, rounding may have changed its sign. Take t from the plane.
+        let [a, b, c] = [self.a.z.abs(), self.b.z.abs(), self.c.z.abs()];
+        let cancels = inside & lt8(along.abs(), f32x8::splat(CANCELS) * max8(max8(a, b), c));
+        if cancels.any() {
+            t = planes_t(cancels, *vertices, *ray, t);
+        }
+
+        // Test the range of t.
         Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -100,7 +100,7 @@ impl Intersect<f32> for WoopDop<f32> {
         let weights = [difference(u), difference(v), difference(w)];
 
         // Compare the signs, compute t and test its range.
-        sheared.hit(sign_agreement(weights) >= 0.0, weights, ray, setup)
+        sheared.hit(sign_agreement(weights) >= 0.0, weights, vertices, ray, setup)
     }
 }
 
@@ -124,6 +124,6 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         let weights = [difference8(u), difference8(v), difference8(w)];
 
         // Compare the signs, compute t and test its range.
-        sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, ray, setup)
+        sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, &vertices, ray, setup)
     }
 }

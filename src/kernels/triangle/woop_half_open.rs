@@ -150,7 +150,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
         }
 
         // Compute t and test its range.
-        sheared.hit(inside, weights, ray, setup)
+        sheared.hit(inside, weights, vertices, ray, setup)
     }
 }
 
@@ -180,6 +180,6 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
         }
 
         // Compute t and test its range.
-        sheared.hit(inside, weights, ray, setup)
+        sheared.hit(inside, weights, &vertices, ray, setup)
     }
 }
