@@ -242,3 +242,8 @@ impl Claim {
         }
     }
 }
+
+/// The power of two at or below a positive normal number. All bits except those of the exponent are cleared.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
+}

@@ -14,8 +14,7 @@ use glam::{DVec3, Vec3};
 /// is 0 if the ray starts on the plane. It is infinite or NaN if the ray is parallel to the plane.
 ///
 /// All numbers must be finite. No intermediate number overflows or underflows.
-#[cold]
-#[inline(never)]
+#[inline(always)]
 pub(super) fn plane_t(vertices: [Vec3; 3], origin: Vec3, dir: Vec3) -> f32 {
     let vertices = vertices.map(Vec3::as_dvec3);
     let (origin, dir, [v0, ..]) = (origin.as_dvec3(), dir.as_dvec3(), vertices);
@@ -27,6 +26,7 @@ pub(super) fn plane_t(vertices: [Vec3; 3], origin: Vec3, dir: Vec3) -> f32 {
 }
 
 /// `((v1 - v0) × (v2 - v0)) · v` with the right sign. `v` is the rounded sum of `exact`.
+#[inline(always)]
 fn along_normal(vertices: &[DVec3; 3], v: DVec3, exact: &[DVec3]) -> f64 {
     // Each of at most 8 roundings changes a product by 2⁻⁵³. Twice that also covers the rounding of the bound.
     const BOUND: f64 = 8.0 * f64::EPSILON;

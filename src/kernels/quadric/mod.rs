@@ -40,8 +40,8 @@ use crate::geom::lanes::{
     power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8, t_in_range, t_in_range8,
 };
 use crate::geom::{Aabb, Hit, Quadric, Ray};
-use crate::kernels::Operations;
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
+use crate::kernels::{Operations, power_of_two_below};
 
 /// The part of a ray inside the clip box of a quadric.
 #[derive(Clone, Copy, Debug)]
@@ -248,11 +248,6 @@ prepared! {
 
 /// 2¹²⁶. Twice as much is still an `f32`.
 const LARGE_POWER_OF_TWO: f64 = 1.0 / (f32::MIN_POSITIVE as f64);
-
-/// The power of two at or below a positive normal number. All bits except those of the exponent are cleared.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
-}
 
 impl Form<f32> {
     /// The polynomial about `center`, computed in `f64` and rounded once. Coordinates in the box are then at most

@@ -22,7 +22,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Vertices, barycentrics_inside, barycentrics_inside8};
+use super::{Vertices, barycentrics_inside, barycentrics_inside8, representable};
 use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
@@ -48,7 +48,8 @@ impl Kernel for Cramer<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: shape.into() }
+        let [v0, v1, v2] = representable(shape);
+        Self { vertices: Vertices { v0, v1, v2 } }
     }
 
     prepared!(gather, lane);

@@ -19,7 +19,7 @@
 
 use wide::f32x8;
 
-use super::{barycentrics_inside, barycentrics_inside8};
+use super::{barycentrics_inside, barycentrics_inside8, representable};
 use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
@@ -46,7 +46,8 @@ impl Kernel for MollerTrumbore<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { v0: shape.v0, e1: shape.v1 - shape.v0, e2: shape.v2 - shape.v0 }
+        let [v0, v1, v2] = representable(shape);
+        Self { v0, e1: v1 - v0, e2: v2 - v0 }
     }
 
     prepared!(gather, lane);

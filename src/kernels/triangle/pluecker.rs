@@ -9,7 +9,7 @@
 //! nothing else. The two triangles at an edge compute exactly opposite numbers: they cannot both reject the ray
 //! because of that edge.
 //!
-//! **Differs from the sources:** the normal is prepared (in `f64`, rounded once), and `t` is a plain quotient of two
+//! **Differs from the sources:** the normal is prepared (in `f64`, rounded once, scaled to about 1), and `t` is a plain quotient of two
 //! products with it. Embree computes a normal for every ray by a stabilised cross product. Edge functions are
 //! compared with zero, not with an epsilon. Both sides hit.
 //!
@@ -27,7 +27,7 @@
 
 use wide::f32x8;
 
-use super::{Vertices, normal, sign_agreement, sign_agreement8};
+use super::{Vertices, scaled_normal, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, ge8, lt8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
@@ -54,7 +54,7 @@ impl Kernel for Pluecker<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: shape.into(), n: normal(shape).as_vec3() }
+        Self { vertices: shape.into(), n: scaled_normal(shape).0.as_vec3() }
     }
 
     prepared!(gather, lane);

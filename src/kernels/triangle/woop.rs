@@ -37,13 +37,11 @@
 //! **Operations:** 19 multiplications, 22 additions, 1 division, 9 minima, maxima and comparisons. Setup: 3
 //! divisions. 36 bytes prepared.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use wide::f32x8;
 
 use super::{Vertices, normal, sign_agreement, sign_agreement8};
-use crate::geom::lanes::{
-    Lanes, Mask8, Vec3x8, eq8, ge8, lt8, max, max8, t_in_range, t_in_range8, to_f32x8, to_f64x8,
-};
+use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, ge8, lt8, sqrt_f64, t_in_range, t_in_range8, to_f32x8, to_f64x8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::plane::plane_t;
@@ -53,6 +51,8 @@ prepared! {
     /// Triangles for the watertight test.
     pub struct Woop<P: Lanes> {
         vertices: Vertices<P>,
+        /// [`close`].
+        close: P,
     }
 }
 
@@ -69,7 +69,7 @@ impl Kernel for Woop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: prepare(shape) }
+        Self { vertices: prepare(shape), close: close(shape) }
     }
 
     prepared!(gather, lane);
@@ -90,23 +90,28 @@ impl Intersect<f32> for Woop<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let Self { vertices } = self;
+        let Self { vertices, close } = self;
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
 
         // Compute the weights and compare their signs.
-        let mut weights = sheared.weights();
-        let mut signs = sign_agreement(weights);
-
-        // Compute again, exactly, what came out as zero.
-        if signs == 0.0 {
-            weights = sheared.exact_weights(weights);
-            signs = sign_agreement(weights);
+        let weights = sheared.weights();
+        let signs = sign_agreement(weights);
+        if !(signs >= 0.0) {
+            return Hit::MISS;
         }
 
-        // Compute t and test its range.
-        sheared.hit(signs >= 0.0, weights, vertices, ray, setup)
+        // Interpolate t.
+        let hit = sheared.interpolate(weights, *close, setup);
+
+        // Start again, exactly, where a weight came out as zero or t cancels.
+        if (signs == 0.0) | hit.cancels {
+            return self.careful(ray, setup);
+        }
+
+        // Test the range of t.
+        hit.in_range(true, ray)
     }
 }
 
@@ -120,23 +125,54 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let Woop { vertices } = self.widen();
+        let Woop { vertices, close } = self.widen();
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
 
         // Compute the weights and compare their signs.
-        let mut weights = sheared.weights();
-        let mut signs = sign_agreement8(weights);
+        let weights = sheared.weights();
+        let signs = sign_agreement8(weights);
+        let inside = ge8(signs, f32x8::ZERO);
 
-        // Compute again, exactly, what came out as zero.
-        if eq8(signs, f32x8::ZERO).any() {
-            weights = sheared.exact_weights(weights);
-            signs = sign_agreement8(weights);
+        // Interpolate t.
+        let hit = sheared.interpolate(weights, close, setup);
+
+        // Start again, exactly, where a weight came out as zero or t cancels.
+        if (eq8(signs, f32x8::ZERO) | (inside & hit.cancels)).any() {
+            return self.careful8(ray, setup);
         }
 
-        // Compute t and test its range.
-        sheared.hit(ge8(signs, f32x8::ZERO), weights, &vertices, ray, setup)
+        // Test the range of t.
+        hit.in_range(inside, ray)
+    }
+}
+
+impl Woop<f32> {
+    /// The same test, with every weight and every `t` that rounding could spoil computed exactly.
+    #[cold]
+    #[inline(never)]
+    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+        let sheared = Sheared::of(&self.vertices, ray, setup);
+        let weights = sheared.exact_weights(sheared.weights());
+        let inside = sign_agreement(weights) >= 0.0;
+        sheared.interpolate(weights, self.close, setup).from_plane(inside, &self.vertices, ray).in_range(inside, ray)
+    }
+}
+
+impl<P: Lanes> Woop<P> {
+    /// [`Woop::careful`] in eight lanes.
+    #[cold]
+    #[inline(never)]
+    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        let Woop { vertices, close } = self.widen();
+        let sheared = Sheared8::of(&vertices, ray, setup);
+        let mut weights = sheared.weights();
+        if eq8(sign_agreement8(weights), f32x8::ZERO).any() {
+            weights = sheared.exact_weights(weights);
+        }
+        let inside = ge8(sign_agreement8(weights), f32x8::ZERO);
+        sheared.interpolate(weights, close, setup).from_plane(inside, &vertices, ray).in_range(inside, ray)
     }
 }
 
@@ -148,6 +184,18 @@ pub(super) fn prepare(shape: &Triangle) -> Vertices<f32> {
     } else {
         Vertices { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN }
     }
+}
+
+/// A hit may have the wrong sign of `t` if it is closer to the ray's start than this, measured along the axis.
+///
+/// A rounding of a vertex moves the hit by up to the size of the triangle times the ratio of its sides, and the
+/// more the flatter it is seen. The factor is 2¹⁶ roundings.
+pub(super) fn close(shape: &Triangle) -> f32 {
+    const FACTOR: f64 = 1.0 / 256.0;
+    let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
+    let size =
+        [v1 - v0, v2 - v1, v0 - v2].into_iter().fold(DVec3::ZERO, |size, edge| size.max(edge.abs())).max_element();
+    (FACTOR * size * (size * size / sqrt_f64(normal(shape).length_squared()))) as f32
 }
 
 /// How to shear space for a ray.
@@ -292,22 +340,6 @@ pub(super) struct Sheared8 {
     c: Vec3x8,
 }
 
-/// A hit is closer to the ray's start than this share of the farthest vertex, measured along the axis: its `t` is
-/// taken from the plane.
-const CANCELS: f32 = 0.125;
-
-/// `plane_t` in the lanes of `mask`, `t` in the others. Takes everything by value: a reference would keep all of it in
-/// memory.
-#[cold]
-#[inline(never)]
-fn planes_t(mask: Mask8, Vertices { v0, v1, v2 }: Vertices<f32x8>, ray: Ray<f32x8>, t: f32x8) -> f32x8 {
-    let mut t = t.to_array();
-    for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| mask.bits() >> lane & 1 == 1) {
-        *t = plane_t([v0.lane(lane), v1.lane(lane), v2.lane(lane)], ray.origin.lane(lane), ray.dir.lane(lane));
-    }
-    f32x8::new(t)
-}
-
 #[inline(always)]
 fn cross2((p, q): (Vec3, Vec3)) -> f32 {
     p.x * q.y - p.y * q.x
@@ -347,8 +379,7 @@ impl Sheared {
 
     /// The weights, with zeros computed again. What is still zero is exactly zero. Takes the triangle by value: a
     /// reference would keep all of it in memory.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn exact_weights(self, weights: [f32; 3]) -> [f32; 3] {
         let edges = self.edges();
         [0, 1, 2].map(|edge| {
@@ -358,37 +389,16 @@ impl Sheared {
         })
     }
 
-    /// The hit, if the signs of the weights say `inside`. `vertices` are those before the shear.
+    /// `t`, `u` and `v` by normalised weights.
     #[inline(always)]
-    pub(super) fn hit(
-        &self,
-        inside: bool,
-        weights: [f32; 3],
-        vertices: &Vertices<f32>,
-        ray: &Ray<f32>,
-        setup: &Shear,
-    ) -> Hit<f32> {
-        if !inside {
-            return Hit::MISS;
-        }
-
+    pub(super) fn interpolate(&self, [u, v, w]: [f32; 3], close: f32, setup: &Shear) -> Interpolated<f32> {
         // Normalise the weights.
-        let [u, v, w] = weights;
         let inv_det = 1.0 / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
 
         // Interpolate t. A NaN in any weight makes t NaN: a miss.
         let along = u * self.b.z + v * self.c.z + w * self.a.z;
-        let mut t = along * setup.z;
-
-        // Where the sum cancels, rounding may have changed its sign. Take t from the plane.
-        let [a, b, c] = [self.a.z.abs(), self.b.z.abs(), self.c.z.abs()];
-        if along.abs() < CANCELS * max(max(a, b), c) {
-            t = plane_t([vertices.v0, vertices.v1, vertices.v2], ray.origin, ray.dir);
-        }
-
-        // Test the range of t.
-        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
+        Interpolated { t: along * setup.z, u, v, cancels: along.abs() < close }
     }
 }
 
@@ -419,8 +429,7 @@ impl Sheared8 {
     }
 
     /// [`Sheared::exact_weights`] in eight lanes.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn exact_weights(self, weights: [f32x8; 3]) -> [f32x8; 3] {
         let edges = self.edges();
         [0, 1, 2].map(|edge| {
@@ -430,33 +439,63 @@ impl Sheared8 {
         })
     }
 
-    /// [`Sheared::hit`] in eight lanes.
+    /// [`Sheared::interpolate`] in eight lanes.
     #[inline(always)]
-    pub(super) fn hit(
-        &self,
-        inside: Mask8,
-        weights: [f32x8; 3],
-        vertices: &Vertices<f32x8>,
-        ray: &Ray<f32x8>,
-        setup: &Shear8,
-    ) -> Hit<f32x8> {
+    pub(super) fn interpolate(&self, [u, v, w]: [f32x8; 3], close: f32x8, setup: &Shear8) -> Interpolated<f32x8> {
         // Normalise the weights.
-        let [u, v, w] = weights;
         let inv_det = f32x8::ONE / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
 
         // Interpolate t. A NaN in any weight makes t NaN: a miss.
         let along = u * self.b.z + v * self.c.z + w * self.a.z;
-        let mut t = along * setup.z;
+        Interpolated { t: along * setup.z, u, v, cancels: lt8(along.abs(), close) }
+    }
+}
 
-        // Where the sum cancels, rounding may have changed its sign. Take t from the plane.
-        let [a, b, c] = [self.a.z.abs(), self.b.z.abs(), self.c.z.abs()];
-        let cancels = inside & lt8(along.abs(), f32x8::splat(CANCELS) * max8(max8(a, b), c));
-        if cancels.any() {
-            t = planes_t(cancels, *vertices, *ray, t);
+/// The numbers of a hit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interpolated<L: Lanes> {
+    t: L,
+    u: L,
+    v: L,
+    /// Whether `t` is much smaller than the numbers that it was summed from. Rounding may have changed its sign.
+    pub(super) cancels: L::Mask,
+}
+
+impl Interpolated<f32> {
+    /// Takes `t` from the plane where it cancels.
+    #[inline(always)]
+    pub(super) fn from_plane(self, inside: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
+        let Vertices { v0, v1, v2 } = *vertices;
+        let t = if inside & self.cancels { plane_t([v0, v1, v2], ray.origin, ray.dir) } else { self.t };
+        Self { t, ..self }
+    }
+
+    /// The hit, if `t` is in the ray's interval.
+    #[inline(always)]
+    pub(super) fn in_range(&self, inside: bool, ray: &Ray<f32>) -> Hit<f32> {
+        Hit::<f32>::new(inside & t_in_range(ray.t_min, self.t, ray.t_max), self.t, self.u, self.v)
+    }
+}
+
+impl Interpolated<f32x8> {
+    /// [`Interpolated::<f32>::from_plane`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn from_plane(self, inside: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
+        let Vertices { v0, v1, v2 } = vertices;
+        let (mut t, cancels) = (self.t.to_array(), inside & self.cancels);
+        let mut lanes = cancels.bits();
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            t[lane] = plane_t([v0.lane(lane), v1.lane(lane), v2.lane(lane)], ray.origin.lane(lane), ray.dir.lane(lane));
+            lanes &= lanes - 1;
         }
+        Self { t: f32x8::new(t), ..self }
+    }
 
-        // Test the range of t.
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
+    /// [`Interpolated::<f32>::in_range`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn in_range(&self, inside: Mask8, ray: &Ray<f32x8>) -> Hit<f32x8> {
+        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, self.t, ray.t_max), self.t, self.u, self.v)
     }
 }

@@ -22,9 +22,9 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
+use super::woop::{Interpolated, Shear, Shear8, Sheared, Sheared8, close, prepare};
 use super::{Vertices, sign_agreement, sign_agreement8};
-use crate::geom::lanes::{Lanes, Vec3x8, ge8, mul_add, mul_add8};
+use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, mul_add, mul_add8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -33,6 +33,8 @@ prepared! {
     /// Triangles for the watertight test by differences of products.
     pub struct WoopDop<P: Lanes> {
         vertices: Vertices<P>,
+        /// [`close`].
+        close: P,
     }
 }
 
@@ -49,7 +51,7 @@ impl Kernel for WoopDop<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: prepare(shape) }
+        Self { vertices: prepare(shape), close: close(shape) }
     }
 
     prepared!(gather, lane);
@@ -80,6 +82,20 @@ fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
     mul_add8(p.x, q.y, -product) + lost
 }
 
+/// The hit with `t` from the plane.
+#[cold]
+#[inline(never)]
+fn from_plane(hit: Interpolated<f32>, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Hit<f32> {
+    hit.from_plane(true, vertices, ray).in_range(true, ray)
+}
+
+/// [`from_plane`] in eight lanes.
+#[cold]
+#[inline(never)]
+fn from_plane8<P: Lanes>(inside: Mask8, hit: Interpolated<f32x8>, of: &WoopDop<P>, ray: &Ray<f32x8>) -> Hit<f32x8> {
+    hit.from_plane(inside, &of.widen().vertices, ray).in_range(inside, ray)
+}
+
 impl Intersect<f32> for WoopDop<f32> {
     type Setup = Shear;
 
@@ -90,7 +106,7 @@ impl Intersect<f32> for WoopDop<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let Self { vertices } = self;
+        let Self { vertices, close } = self;
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
@@ -99,8 +115,19 @@ impl Intersect<f32> for WoopDop<f32> {
         let [u, v, w] = sheared.edges();
         let weights = [difference(u), difference(v), difference(w)];
 
-        // Compare the signs, compute t and test its range.
-        sheared.hit(sign_agreement(weights) >= 0.0, weights, vertices, ray, setup)
+        // Compare the signs.
+        if !(sign_agreement(weights) >= 0.0) {
+            return Hit::MISS;
+        }
+
+        // Interpolate t. Take it from the plane where it cancels.
+        let hit = sheared.interpolate(weights, *close, setup);
+        if hit.cancels {
+            return from_plane(hit, vertices, ray);
+        }
+
+        // Test the range of t.
+        hit.in_range(true, ray)
     }
 }
 
@@ -114,7 +141,7 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let WoopDop { vertices } = self.widen();
+        let WoopDop { vertices, close } = self.widen();
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
@@ -123,7 +150,16 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         let [u, v, w] = sheared.edges();
         let weights = [difference8(u), difference8(v), difference8(w)];
 
-        // Compare the signs, compute t and test its range.
-        sheared.hit(ge8(sign_agreement8(weights), f32x8::ZERO), weights, &vertices, ray, setup)
+        // Compare the signs.
+        let inside = ge8(sign_agreement8(weights), f32x8::ZERO);
+
+        // Interpolate t. Take it from the plane where it cancels.
+        let hit = sheared.interpolate(weights, close, setup);
+        if (inside & hit.cancels).any() {
+            return from_plane8(inside, hit, self, ray);
+        }
+
+        // Test the range of t.
+        hit.in_range(inside, ray)
     }
 }
