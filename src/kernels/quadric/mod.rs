@@ -88,7 +88,10 @@ impl ClipInterval<f32> {
     #[inline(always)]
     fn start(&self, origin: Vec3, to_closest: Vec3) -> f32 {
         let [entry, exit] = self.line;
-        if (entry <= 0.0) & (exit >= 0.0) { 0.0 } else { self.clamp(origin.dot(to_closest)) }
+        let inside = (entry <= 0.0) & (exit >= 0.0);
+        // A mask instead of a branch, which cannot be predicted.
+        let kept = u32::from(inside).wrapping_sub(1);
+        f32::from_bits(self.clamp(origin.dot(to_closest)).to_bits() & kept)
     }
 
     /// Whether a hit at `t` lies in the box and in the ray's interval, within the error bounds. False for infinities

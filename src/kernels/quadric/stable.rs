@@ -91,7 +91,7 @@ impl Intersect<f32> for Stable<f32> {
 
         // Move the origin to the closest approach, but not out of the box.
         let from_center = ray.origin - center;
-        let moved = interval.clamp(from_center.dot(setup.to_closest));
+        let moved = interval.start(from_center, setup.to_closest);
         let p = from_center + ray.dir * moved;
 
         // Evaluate the polynomial there.
@@ -123,7 +123,7 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
 
         // Move the origin to the closest approach, but not out of the box.
         let from_center = ray.origin - center;
-        let moved = interval.clamp(from_center.dot(setup.to_closest));
+        let moved = interval.start(from_center, setup.to_closest);
         let p = from_center + ray.dir * moved;
 
         // Evaluate the polynomial there.
