@@ -211,6 +211,8 @@ pub enum Claim {
     VertexWatertight,
     /// A ray through a mesh hits exactly one of its triangles, even exactly at an edge or a vertex.
     SingleHit,
+    /// A ray whose interval starts at 0 never hits a triangle that it passes only behind its start, however close.
+    NoHitBehind,
     /// A box: never misses where the exact answer is a hit.
     Conservative,
     /// A quadric: always right about hitting, except where the exact answer depends on an equality.
@@ -221,10 +223,11 @@ pub enum Claim {
 
 impl Claim {
     /// Every claim.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::EdgeWatertight,
         Self::VertexWatertight,
         Self::SingleHit,
+        Self::NoHitBehind,
         Self::Conservative,
         Self::RightDecision,
         Self::NoGrossError,
@@ -236,6 +239,7 @@ impl Claim {
             Self::EdgeWatertight => "edge-watertight",
             Self::VertexWatertight => "vertex-watertight",
             Self::SingleHit => "single-hit",
+            Self::NoHitBehind => "no-hit-behind",
             Self::Conservative => "conservative",
             Self::RightDecision => "right-decision",
             Self::NoGrossError => "no-gross-error",

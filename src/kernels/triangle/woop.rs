@@ -65,7 +65,7 @@ impl Kernel for Woop<f32> {
         source: "Woop, Benthin, Wald, \"Watertight Ray/Triangle Intersection\", 2013",
         operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
         setup: Shear::OPERATIONS,
-        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
+        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::NoHitBehind],
     };
 
     fn prepare(shape: &Triangle) -> Self {

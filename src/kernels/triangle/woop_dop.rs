@@ -47,7 +47,7 @@ impl Kernel for WoopDop<f32> {
         source: "Woop, Benthin, Wald, 2013; Jeannerod, Louvet, Muller, \"Further analysis of Kahan's algorithm\", 2013",
         operations: Operations { mul: 22, add: 28, compare: 8, div: 1, reads: 9, fused: 6, ..Operations::NONE },
         setup: Shear::OPERATIONS,
-        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight],
+        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::NoHitBehind],
     };
 
     fn prepare(shape: &Triangle) -> Self {

@@ -53,7 +53,7 @@ impl Kernel for WoopHalfOpen<f32> {
         source: "Woop, Benthin, Wald, 2013; Edelsbrunner, Mücke, \"Simulation of Simplicity\", 1990",
         operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
         setup: Shear::OPERATIONS,
-        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit],
+        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit, Claim::NoHitBehind],
     };
 
     fn prepare(shape: &Triangle) -> Self {
