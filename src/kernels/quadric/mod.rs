@@ -15,8 +15,8 @@
 //!
 //! The polynomial is `a·t² + 2b·t + c`, its discriminant `b² - a·c`. The discriminant is about the square of the
 //! surface's size. Its terms are about the square of the distance of the point about which they are expanded. From a
-//! thousand sizes away nothing is left of the difference. So every kernel except `quadric/naive` first moves the
-//! ray's origin along the ray, to a point near the surface. In `-b ± √D` the root of the smaller magnitude is lost a
+//! thousand sizes away nothing is left of the difference. So every kernel except `quadric/naive` first moves an origin
+//! outside the box along the ray, to a point near the surface. In `-b ± √D` the root of the smaller magnitude is lost a
 //! second time where b² is much larger than a·c: next to the surface, or where `a` is small. These kernels compute it
 //! from the other root.
 

@@ -6,10 +6,11 @@
 //! **Idea:** the four determinants of Möller and Trumbore can share terms in many ways. Here they share the normal
 //! `n`. The test computes `(v0 - origin) × dir` once, and then four dot products with the prepared normal and edges.
 //!
-//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so it is as good for a sliver as
-//! for any triangle. Normal and edges are multiplied by one power of two, which cancels: the determinant is about as
-//! long as the direction, for triangles of every size. Both sides hit. There is no epsilon. Embree compares before it divides. Here the reciprocal of
-//! the determinant is multiplied in first, as everywhere in this crate; in a packet that costs no more.
+//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so it is as good for a sliver as for
+//! any triangle. Normal and edges are multiplied by one power of two, which cancels: the determinant is about as long
+//! as the direction, for triangles of every size. Both sides hit. There is no epsilon. Embree compares before it
+//! divides. Here the reciprocal of the determinant is multiplied in first, as everywhere in this crate; in a packet
+//! that costs no more.
 //!
 //! **Fails:** leaks at edges and vertices like Möller–Trumbore. Slivers do not harm `t`, a quotient of two products
 //! with the prepared normal. The range ends where the direction or the triangle's inverse size overflows.

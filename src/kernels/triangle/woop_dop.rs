@@ -5,9 +5,9 @@
 //! Louvet, J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants",
 //! 2013.
 //!
-//! **Idea:** one fused operation recovers what the rounding of `c·d` lost. Then `a·b - c·d` has a relative error of
-//! at most 2ε, ε = 2⁻²⁴. Its sign is right, and it is zero only where the exact value is zero. So nothing is computed
-//! twice, and nothing branches.
+//! **Idea:** one fused operation recovers what the rounding of `c·d` lost. Then `a·b - c·d` has a relative error of at
+//! most 2ε, ε = 2⁻²⁴. Its sign is right, and it is zero only where the exact value is zero. So no sign is computed
+//! twice. The only branch is the one for a `t` that cancels, as in `triangle/woop`.
 //!
 //! **Differs from `triangle/woop`** only in the determinants. The two triangles at an edge may get different
 //! magnitudes, because they round different products first. They always get opposite signs.
@@ -15,8 +15,8 @@
 //! **Edges, claims, failures, degenerate input:** as `triangle/woop`. The recovered rounding error must not be
 //! subnormal, so the range below ends at products of 1e-31.
 //!
-//! **Operations:** 22 multiplications, 28 additions, 1 division, 8 minima, maxima and comparisons. 6 multiplications
-//! are fused with an addition. Setup: 3 divisions. 36 bytes prepared. The kernel exists only in builds with fused
+//! **Operations:** 22 multiplications, 28 additions, 1 division, 9 minima, maxima and comparisons. 6 multiplications
+//! are fused with an addition. Setup: 3 divisions. 40 bytes prepared. The kernel exists only in builds with fused
 //! multiply-add.
 
 use glam::Vec3;
@@ -43,9 +43,9 @@ impl Kernel for WoopDop<f32> {
     type Packet = WoopDop<f32x8>;
     const INFO: Info = Info {
         id: Id::of("triangle/woop_dop"),
-        idea: "watertight shear, signs by Kahan's difference of products: no branch",
+        idea: "watertight shear, signs by Kahan's difference of products: none is computed twice",
         source: "Woop, Benthin, Wald, 2013; Jeannerod, Louvet, Muller, \"Further analysis of Kahan's algorithm\", 2013",
-        operations: Operations { mul: 22, add: 28, compare: 8, div: 1, reads: 9, fused: 6, ..Operations::NONE },
+        operations: Operations { mul: 22, add: 28, compare: 9, div: 1, reads: 10, fused: 6, ..Operations::NONE },
         setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::NoHitBehind],
     };
@@ -116,7 +116,8 @@ impl Intersect<f32> for WoopDop<f32> {
         let weights = [difference(u), difference(v), difference(w)];
 
         // Compare the signs.
-        if !(sign_agreement(weights) >= 0.0) {
+        let inside = sign_agreement(weights) >= 0.0;
+        if !inside {
             return Hit::MISS;
         }
 
@@ -127,7 +128,7 @@ impl Intersect<f32> for WoopDop<f32> {
         }
 
         // Test the range of t.
-        hit.in_range(true, ray)
+        hit.in_range(inside, ray)
     }
 }
 
