@@ -167,7 +167,7 @@ impl Woop<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let weights = sheared.exact_weights(sheared.weights());
         let inside = sign_agreement(weights) >= 0.0;
-        sheared.interpolate(weights, self.close, setup).from_plane(inside, &self.vertices, ray).in_range(inside, ray)
+        sheared.interpolate(weights, self.close, setup).with_plane_t(inside, &self.vertices, ray).in_range(inside, ray)
     }
 }
 
@@ -183,7 +183,7 @@ impl<P: Lanes> Woop<P> {
             weights = sheared.exact_weights(weights);
         }
         let inside = ge8(sign_agreement8(weights), f32x8::ZERO);
-        sheared.interpolate(weights, close, setup).from_plane(inside, &vertices, ray).in_range(inside, ray)
+        sheared.interpolate(weights, close, setup).with_plane_t(inside, &vertices, ray).in_range(inside, ray)
     }
 }
 
@@ -476,7 +476,7 @@ pub(super) struct Interpolated<L: Lanes> {
 impl Interpolated<f32> {
     /// Takes `t` from the plane where it cancels.
     #[inline(always)]
-    pub(super) fn from_plane(self, inside: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
+    pub(super) fn with_plane_t(self, inside: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
         let Vertices { v0, v1, v2 } = *vertices;
         let t = if inside & self.cancels { plane_t([v0, v1, v2], ray.origin, ray.dir) } else { self.t };
         Self { t, ..self }
@@ -490,9 +490,9 @@ impl Interpolated<f32> {
 }
 
 impl Interpolated<f32x8> {
-    /// [`Interpolated::<f32>::from_plane`] in eight lanes.
+    /// [`Interpolated::<f32>::with_plane_t`] in eight lanes.
     #[inline(always)]
-    pub(super) fn from_plane(self, inside: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
+    pub(super) fn with_plane_t(self, inside: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
         let Vertices { v0, v1, v2 } = vertices;
         let (mut t, cancels) = (self.t.to_array(), inside & self.cancels);
         let mut lanes = cancels.bits();

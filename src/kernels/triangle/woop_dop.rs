@@ -85,15 +85,15 @@ fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
 /// The hit with `t` from the plane.
 #[cold]
 #[inline(never)]
-fn from_plane(hit: Interpolated<f32>, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Hit<f32> {
-    hit.from_plane(true, vertices, ray).in_range(true, ray)
+fn with_plane_t(hit: Interpolated<f32>, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Hit<f32> {
+    hit.with_plane_t(true, vertices, ray).in_range(true, ray)
 }
 
-/// [`from_plane`] in eight lanes.
+/// [`with_plane_t`] in eight lanes.
 #[cold]
 #[inline(never)]
-fn from_plane8<P: Lanes>(inside: Mask8, hit: Interpolated<f32x8>, of: &WoopDop<P>, ray: &Ray<f32x8>) -> Hit<f32x8> {
-    hit.from_plane(inside, &of.widen().vertices, ray).in_range(inside, ray)
+fn with_plane_t8<P: Lanes>(inside: Mask8, hit: Interpolated<f32x8>, of: &WoopDop<P>, ray: &Ray<f32x8>) -> Hit<f32x8> {
+    hit.with_plane_t(inside, &of.widen().vertices, ray).in_range(inside, ray)
 }
 
 impl Intersect<f32> for WoopDop<f32> {
@@ -124,7 +124,7 @@ impl Intersect<f32> for WoopDop<f32> {
         // Interpolate t. Take it from the plane where it cancels.
         let hit = sheared.interpolate(weights, *close, setup);
         if hit.cancels {
-            return from_plane(hit, vertices, ray);
+            return with_plane_t(hit, vertices, ray);
         }
 
         // Test the range of t.
@@ -157,7 +157,7 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
         // Interpolate t. Take it from the plane where it cancels.
         let hit = sheared.interpolate(weights, close, setup);
         if (inside & hit.cancels).any() {
-            return from_plane8(inside, hit, self, ray);
+            return with_plane_t8(inside, hit, self, ray);
         }
 
         // Test the range of t.

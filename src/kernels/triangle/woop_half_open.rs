@@ -200,7 +200,7 @@ impl WoopHalfOpen<f32> {
     fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let (inside, weights) = perturbed_inside(sheared, sheared.weights());
-        sheared.interpolate(weights, self.close, setup).from_plane(inside, &self.vertices, ray).in_range(inside, ray)
+        sheared.interpolate(weights, self.close, setup).with_plane_t(inside, &self.vertices, ray).in_range(inside, ray)
     }
 }
 
@@ -218,6 +218,6 @@ impl<P: Lanes> WoopHalfOpen<P> {
         } else {
             (gt8(signs, f32x8::ZERO), weights)
         };
-        sheared.interpolate(weights, close, setup).from_plane(inside, &vertices, ray).in_range(inside, ray)
+        sheared.interpolate(weights, close, setup).with_plane_t(inside, &vertices, ray).in_range(inside, ray)
     }
 }
