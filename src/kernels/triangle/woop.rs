@@ -40,8 +40,8 @@
 //! came from the plane, a third of those 3 ulp off did. `t` is now right to the last bit on triangles 1000 times as
 //! long as the hit is far, where it was off by 1021 ulp (99th percentile).
 //!
-//! **Cost of the right sign:** packets take 1.02 to 1.05 times as long, one ray 0.93 to 1.0 times. A ray that leaves a
-//! triangle takes 60 to 80 ns more. Comparing with the farthest vertex in place of the prepared `close` took packets
+//! **Cost of the right sign:** packets take 1.02 to 1.04 times as long, one ray 0.93 to 1.0 times. In a packet, a ray
+//! that leaves a triangle takes 60 to 90 ns more. Comparing with the farthest vertex in place of the prepared `close` took packets
 //! 1.09 to 1.12 times as long.
 //!
 //! **Operations:** 19 multiplications, 22 additions, 1 division, 10 minima, maxima and comparisons. Setup: 3
