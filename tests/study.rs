@@ -184,7 +184,7 @@ fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
 
 #[test]
 fn triangles_keep_what_they_claim() {
-    hold_to_claims::<Triangle>(|regime| regime.mesh);
+    hold_to_claims::<Triangle>(|regime| regime.mesh || regime.name == "leaving");
 }
 
 #[test]

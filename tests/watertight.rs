@@ -1,5 +1,5 @@
-//! Tests the claims of triangle kernels with rays that exactly meet edges and vertices of meshes. There is one test per
-//! kernel.
+//! Tests the claims of triangle kernels with rays that exactly meet edges and vertices of meshes, and with rays that
+//! leave a triangle. There is one test per kernel.
 //!
 //! A claim must hold for every ray. If a kernel does not make a claim, at least one ray must break it.
 //!
@@ -21,12 +21,13 @@ use raylanes::geom::{Ray, Triangle};
 use raylanes::kernels::{Claim, Intersect, Kernel};
 use raylanes::oracle::Exact;
 use raylanes::registry::{self, Visitor};
+use raylanes::study::workload::{Sample, Subject, rng};
 use rayon::prelude::*;
 use wide::f32x8;
 
 use meshes::{Mesh, Shot, Target};
 
-const CLAIMS: [Claim; 3] = [Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit];
+const CLAIMS: [Claim; 4] = [Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit, Claim::NoHitBehind];
 
 /// The rays that a claim is about, and how many of them break it.
 #[derive(Default)]
@@ -57,7 +58,7 @@ impl Count {
 
 /// One count for each of [`CLAIMS`].
 #[derive(Default)]
-struct Counts([Count; 3]);
+struct Counts([Count; 4]);
 
 impl Counts {
     fn of(&mut self, claim: Claim) -> &mut Count {
@@ -65,9 +66,9 @@ impl Counts {
     }
 
     fn plus(self, later: Self) -> Self {
-        let [a, b, c] = self.0;
-        let [d, e, f] = later.0;
-        Self([a.plus(d), b.plus(e), c.plus(f)])
+        let [a, b, c, d] = self.0;
+        let [e, f, g, h] = later.0;
+        Self([a.plus(e), b.plus(f), c.plus(g), d.plus(h)])
     }
 }
 
@@ -79,24 +80,30 @@ impl Display for Counts {
     }
 }
 
-type Meshes = Arc<LazyLock<Vec<(Mesh, Vec<Shot>)>>>;
+/// What the rays of all kernels meet or leave.
+struct Inputs {
+    meshes: Vec<(Mesh, Vec<Shot>)>,
+    /// Triangles, and rays that pass them only behind their start.
+    leaving: Vec<(Triangle, Vec<Ray<f32>>)>,
+}
 
 /// One test for each kernel.
 struct Tests {
     /// Made once for all kernels.
-    meshes: Meshes,
+    inputs: Arc<LazyLock<Inputs>>,
     trials: Vec<Trial>,
 }
 
 impl Visitor<Triangle> for Tests {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        let meshes = self.meshes.clone();
-        self.trials.push(harness::of_kernel("claims", K::INFO.id.to_string(), move || hold_to_claims::<K>(&meshes)));
+        let inputs = self.inputs.clone();
+        self.trials.push(harness::of_kernel("claims", K::INFO.id.to_string(), move || hold_to_claims::<K>(&inputs)));
     }
 }
 
 fn main() -> ExitCode {
-    let mut tests = Tests { meshes: Arc::new(LazyLock::new(meshes)), trials: Vec::new() };
+    let inputs = || Inputs { meshes: meshes(), leaving: leaving() };
+    let mut tests = Tests { inputs: Arc::new(LazyLock::new(inputs)), trials: Vec::new() };
     registry::triangles(&mut tests);
     tests.trials.push(harness::test("rays_of_the_small_grid_meet_their_targets_exactly", small_grid::confirm));
     harness::run(vec![tests.trials], registry::triangles)
@@ -104,8 +111,8 @@ fn main() -> ExitCode {
 
 /// Checks that every ray keeps the claims of the kernel, and that some ray breaks each claim that it does not make.
 /// Returns how many rays break each claim.
-fn hold_to_claims<K: Kernel<Shape = Triangle>>(meshes: &[(Mesh, Vec<Shot>)]) -> Result<String, String> {
-    let on_meshes = on_meshes::<K>(meshes);
+fn hold_to_claims<K: Kernel<Shape = Triangle>>(inputs: &Inputs) -> Result<String, String> {
+    let on_meshes = on_meshes::<K>(&inputs.meshes).plus(on_leaving::<K>(&inputs.leaving));
     let on_small_grid = small_grid::all::<K>();
     let summary = format!("{}: broken on meshes: {on_meshes}; on the small grid: {on_small_grid}", K::INFO.id);
     let mut failures = Vec::new();
@@ -156,6 +163,37 @@ fn meshes() -> Vec<(Mesh, Vec<Shot>)> {
         })
     });
     all.collect()
+}
+
+/// The rays of the regime `leaving`, without those that do not leave.
+fn leaving() -> Vec<(Triangle, Vec<Ray<f32>>)> {
+    let regime = Triangle::REGIMES.iter().find(|regime| regime.name == "leaving").unwrap();
+    let samples = regime.steps.iter().flat_map(|&step| {
+        (0..4_096).map(move |index| {
+            let Sample { shapes, mut rays } =
+                (regime.sample)(step as f32, &mut rng(5, "claims", "leaving", &[], index));
+            let passed_by = |ray: &Ray<f32>| shapes[0].truth(ray).hit;
+            rays.retain(|ray| !passed_by(ray) && passed_by(&Ray { t_min: f32::NEG_INFINITY, ..*ray }));
+            (shapes[0], rays)
+        })
+    });
+    samples.collect()
+}
+
+fn on_leaving<K: Kernel<Shape = Triangle>>(samples: &[(Triangle, Vec<Ray<f32>>)]) -> Counts {
+    let mut counts = Counts::default();
+    for (triangle, rays) in samples {
+        let prepared = K::prepare(triangle);
+        for rays in rays.chunks(8) {
+            let packet = Ray::from_slice(rays);
+            let mask = prepared.closest_hit(&packet, &<K as Intersect<f32x8>>::setup(&packet)).mask.bits();
+            for (lane, ray) in rays.iter().enumerate() {
+                let broken = mask >> lane & 1;
+                counts.of(Claim::NoHitBehind).add(1, broken.into(), || describe(ray, &[(0, *triangle, true)]));
+            }
+        }
+    }
+    counts
 }
 
 fn on_meshes<K: Kernel<Shape = Triangle>>(meshes: &[(Mesh, Vec<Shot>)]) -> Counts {

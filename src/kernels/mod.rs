@@ -16,6 +16,7 @@ mod prepared;
 
 pub mod aabb;
 pub mod instance;
+mod plane;
 pub mod quadric;
 pub mod triangle;
 
@@ -210,6 +211,8 @@ pub enum Claim {
     VertexWatertight,
     /// A ray through a mesh hits exactly one of its triangles, even exactly at an edge or a vertex.
     SingleHit,
+    /// A ray whose interval starts at 0 never hits a triangle that it passes only behind its start, however close.
+    NoHitBehind,
     /// A box: never misses where the exact answer is a hit.
     Conservative,
     /// A quadric: always right about hitting, except where the exact answer depends on an equality.
@@ -220,10 +223,11 @@ pub enum Claim {
 
 impl Claim {
     /// Every claim.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::EdgeWatertight,
         Self::VertexWatertight,
         Self::SingleHit,
+        Self::NoHitBehind,
         Self::Conservative,
         Self::RightDecision,
         Self::NoGrossError,
@@ -235,9 +239,15 @@ impl Claim {
             Self::EdgeWatertight => "edge-watertight",
             Self::VertexWatertight => "vertex-watertight",
             Self::SingleHit => "single-hit",
+            Self::NoHitBehind => "no-hit-behind",
             Self::Conservative => "conservative",
             Self::RightDecision => "right-decision",
             Self::NoGrossError => "no-gross-error",
         }
     }
+}
+
+/// The power of two at or below a positive normal number. All bits except those of the exponent are cleared.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }

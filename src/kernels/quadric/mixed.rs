@@ -7,8 +7,7 @@
 //! `quadric/f64` computes them and the cut by the box in `f64` too. It takes 1.6 times as long for eight rays (Zen
 //! 4).
 //!
-//! **Differs from `quadric/stable`:** from inside the box the origin is not moved, because short distances would lose
-//! the rounding of the move. The polynomial stays about 0, because `f64` has digits to spare.
+//! **Differs from `quadric/stable`:** the polynomial stays about 0, because `f64` has digits to spare.
 //!
 //! **Edges:** `f64` decides whether a tangent ray hits. The box cuts in `f32`, within its error bounds.
 //!

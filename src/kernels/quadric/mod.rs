@@ -15,8 +15,8 @@
 //!
 //! The polynomial is `a·t² + 2b·t + c`, its discriminant `b² - a·c`. The discriminant is about the square of the
 //! surface's size. Its terms are about the square of the distance of the point about which they are expanded. From a
-//! thousand sizes away nothing is left of the difference. So every kernel except `quadric/naive` first moves the
-//! ray's origin along the ray, to a point near the surface. In `-b ± √D` the root of the smaller magnitude is lost a
+//! thousand sizes away nothing is left of the difference. So every kernel except `quadric/naive` first moves an origin
+//! outside the box along the ray, to a point near the surface. In `-b ± √D` the root of the smaller magnitude is lost a
 //! second time where b² is much larger than a·c: next to the surface, or where `a` is small. These kernels compute it
 //! from the other root.
 
@@ -40,8 +40,8 @@ use crate::geom::lanes::{
     power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8, t_in_range, t_in_range8,
 };
 use crate::geom::{Aabb, Hit, Quadric, Ray};
-use crate::kernels::Operations;
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
+use crate::kernels::{Operations, power_of_two_below};
 
 /// The part of a ray inside the clip box of a quadric.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +88,10 @@ impl ClipInterval<f32> {
     #[inline(always)]
     fn start(&self, origin: Vec3, to_closest: Vec3) -> f32 {
         let [entry, exit] = self.line;
-        if (entry <= 0.0) & (exit >= 0.0) { 0.0 } else { self.clamp(origin.dot(to_closest)) }
+        let inside = (entry <= 0.0) & (exit >= 0.0);
+        // A mask instead of a branch, which cannot be predicted.
+        let kept = u32::from(inside).wrapping_sub(1);
+        f32::from_bits(self.clamp(origin.dot(to_closest)).to_bits() & kept)
     }
 
     /// Whether a hit at `t` lies in the box and in the ray's interval, within the error bounds. False for infinities
@@ -248,11 +251,6 @@ prepared! {
 
 /// 2¹²⁶. Twice as much is still an `f32`.
 const LARGE_POWER_OF_TWO: f64 = 1.0 / (f32::MIN_POSITIVE as f64);
-
-/// The power of two at or below a positive normal number. All bits except those of the exponent are cleared.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
-}
 
 impl Form<f32> {
     /// The polynomial about `center`, computed in `f64` and rounded once. Coordinates in the box are then at most

@@ -10,11 +10,12 @@
 //! through a shared edge can miss both neighbours.
 //!
 //! **Fails:** rounding moves a ray off an edge, independently for each of the two triangles, so a mesh leaks.
-//! Determinants grow with the cube of the size: far from 1 they overflow or underflow. For grazing rays and slivers
-//! the determinant cancels.
+//! Determinants grow with the cube of the size. Legs below about 5e-14 miss, because their determinants would be
+//! subnormal or zero, and `t` could be anything. From 1e13 they overflow: a miss too. For grazing rays and slivers the
+//! determinant cancels.
 //!
-//! **Degenerate input:** a zero determinant is a miss: a parallel ray, or a zero area that is computed exactly. There
-//! is no epsilon.
+//! **Degenerate input:** a zero determinant is a miss: a parallel ray. A triangle of zero area is stored as NaN, like
+//! one that is too small. There is no epsilon.
 //!
 //! **Operations:** 36 multiplications, 30 additions, 3 divisions, 5 minima and comparisons. Nothing is prepared: a
 //! primitive is its 9 coordinates.
@@ -22,7 +23,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::{Vertices, barycentrics_inside, barycentrics_inside8};
+use super::{Vertices, barycentrics_inside, barycentrics_inside8, representable};
 use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
@@ -48,7 +49,8 @@ impl Kernel for Cramer<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: shape.into() }
+        let [v0, v1, v2] = representable(shape);
+        Self { vertices: Vertices { v0, v1, v2 } }
     }
 
     prepared!(gather, lane);

@@ -6,23 +6,24 @@
 //! **Idea:** the four determinants of Möller and Trumbore can share terms in many ways. Here they share the normal
 //! `n`. The test computes `(v0 - origin) × dir` once, and then four dot products with the prepared normal and edges.
 //!
-//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so it is as good for a sliver as
-//! for any triangle. Both sides hit. There is no epsilon. Embree compares before it divides. Here the reciprocal of
-//! the determinant is multiplied in first, as everywhere in this crate; in a packet that costs no more.
+//! **Differs from the sources:** the normal is computed in `f64` and rounded once, so it is as good for a sliver as for
+//! any triangle. Normal and edges are multiplied by one power of two, which cancels: the determinant is about as long
+//! as the direction, for triangles of every size. Both sides hit. There is no epsilon. Embree compares before it
+//! divides. Here the reciprocal of the determinant is multiplied in first, as everywhere in this crate; in a packet
+//! that costs no more.
 //!
 //! **Fails:** leaks at edges and vertices like Möller–Trumbore. Slivers do not harm `t`, a quotient of two products
-//! with the prepared normal. The normal grows with the square of the size, and the determinant also with the
-//! direction. If the direction is as long as the triangle, the determinant is subnormal or infinite at sizes of 1e-15
-//! and 1e15.
+//! with the prepared normal. The range ends where the direction or the triangle's inverse size overflows.
 //!
 //! **Degenerate input:** the normal of a triangle of zero area is exactly zero. So is the determinant, and the
 //! triangle misses.
 //!
 //! **Operations:** 21 multiplications, 15 additions, 1 division, 5 minima and comparisons. 48 bytes prepared.
 
+use glam::Vec3;
 use wide::f32x8;
 
-use super::{barycentrics_inside, barycentrics_inside8, normal};
+use super::{barycentrics_inside, barycentrics_inside8, scaled_normal};
 use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
@@ -31,10 +32,11 @@ prepared! {
     /// Triangles for the Kensler–Shirley test: a vertex, the edges into and out of it, and the normal.
     pub struct KenslerShirley<P: Lanes> {
         v0: P::Vec3,
-        /// `v0 - v1`.
+        /// `v0 - v1`, times a power of two.
         e1: P::Vec3,
-        /// `v2 - v0`.
+        /// `v2 - v0`, times the same power.
         e2: P::Vec3,
+        /// The normal, times the same power. Its largest component is about 1.
         n: P::Vec3,
     }
 }
@@ -52,7 +54,10 @@ impl Kernel for KenslerShirley<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { v0: shape.v0, e1: shape.v0 - shape.v1, e2: shape.v2 - shape.v0, n: normal(shape).as_vec3() }
+        let (n, scale) = scaled_normal(shape);
+        let scaled = |edge: Vec3| (edge.as_dvec3() * scale).as_vec3();
+        let Triangle { v0, v1, v2 } = *shape;
+        Self { v0, e1: scaled(v0 - v1), e2: scaled(v2 - v0), n: n.as_vec3() }
     }
 
     prepared!(gather, lane);

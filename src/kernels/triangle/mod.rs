@@ -35,6 +35,7 @@ use wide::f32x8;
 use crate::geom::Triangle;
 use crate::geom::lanes::{Lanes, Mask8, ge8, le8, max, max8, min, min8};
 use crate::kernels::aabb::Slabs;
+use crate::kernels::power_of_two_below;
 
 prepared! {
     /// The vertices of one triangle or of eight, 36 bytes a triangle. Kernels that prepare nothing store them.
@@ -69,6 +70,26 @@ impl Vertices<f32x8> {
 fn normal(shape: &Triangle) -> DVec3 {
     let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
     (v1 - v0).cross(v2 - v0)
+}
+
+/// [`normal`], times a power of two that brings it to about 1. It keeps its direction and does not become subnormal or
+/// infinite, however small or large the triangle is. Returns the power too. A normal of zero stays zero.
+fn scaled_normal(shape: &Triangle) -> (DVec3, f64) {
+    let normal = normal(shape);
+    let longest = normal.abs().max_element();
+    let scale = if longest > 0.0 { 1.0 / power_of_two_below(longest) } else { 1.0 };
+    (normal * scale, scale)
+}
+
+/// The vertices, or NaN if determinants of the triangle could not keep their digits: the product of its area and its
+/// size is near the end of the range. Such a triangle misses.
+fn representable(shape: &Triangle) -> [Vec3; 3] {
+    // 2¹⁷ times the smallest `f32`.
+    const LEAST: f64 = f32::MIN_POSITIVE as f64 / 64.0;
+    let vertices = shape.vertices();
+    let [v0, v1, v2] = vertices.map(Vec3::as_dvec3);
+    let size = (v1 - v0).abs().max((v2 - v0).abs()).max_element();
+    if normal(shape).abs().max_element() * size < LEAST { [Vec3::NAN; 3] } else { vertices }
 }
 
 /// Whether `u >= 0`, `v >= 0` and `u + v <= 1`. False for a NaN, because the last minimum passes it on.

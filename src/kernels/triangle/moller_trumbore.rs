@@ -9,17 +9,19 @@
 //! never does. There is no epsilon on the determinant: it would lose small triangles. The reciprocal of the
 //! determinant is rounded before it is multiplied, as in the paper.
 //!
-//! **Fails:** leaks at edges and vertices like Cramer's rule. On slivers `t` is the first to lose digits: the normal
-//! is never computed on its own, and `e2 · ((origin - v0) × e1)` cancels.
+//! **Fails:** leaks at edges and vertices like Cramer's rule. On slivers `t` is the first to lose digits: the normal is
+//! never computed on its own, and `e2 · ((origin - v0) × e1)` cancels. Legs below about 5e-14 miss, because this
+//! product would be subnormal or zero, and `t` could be anything. From 1e13 it overflows: a miss too.
 //!
-//! **Degenerate input:** a zero determinant is a miss, because ±∞ and NaN fail the test of the barycentrics.
+//! **Degenerate input:** a zero determinant is a miss, because ±∞ and NaN fail the test of the barycentrics. A
+//! triangle of zero area is stored as NaN, like one that is too small.
 //!
 //! **Operations:** 27 multiplications, 18 additions, 1 division, 5 minima and comparisons. The paper's form has 24
 //! additions, because it computes the edges for every ray. 36 bytes prepared.
 
 use wide::f32x8;
 
-use super::{barycentrics_inside, barycentrics_inside8};
+use super::{barycentrics_inside, barycentrics_inside8, representable};
 use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
@@ -46,7 +48,8 @@ impl Kernel for MollerTrumbore<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { v0: shape.v0, e1: shape.v1 - shape.v0, e2: shape.v2 - shape.v0 }
+        let [v0, v1, v2] = representable(shape);
+        Self { v0, e1: v1 - v0, e2: v2 - v0 }
     }
 
     prepared!(gather, lane);

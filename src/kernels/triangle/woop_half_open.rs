@@ -17,18 +17,18 @@
 //! of a mesh, a ray hits on one side and misses on the other. No other ray is lost: a ray that misses here and hits
 //! with `triangle/woop` is exactly on an edge of the sheared triangle.
 //!
-//! **Claims:** as `triangle/woop`, and exactly one hit. A triangle that rounding flips breaks this: it adds one hit
-//! of its own side and one of the other. Of 11,200,000 rays at fans, none hit more or fewer than one triangle. Of
-//! 740,000 rays at the hubs and edges of fans with slivers of aspect up to 1e6, one did.
+//! **Claims:** as `triangle/woop`, and exactly one hit. A triangle that rounding flips breaks this: it adds one hit of
+//! its own side and one of the other. Of 11,200,000 rays at fans, none hit more or fewer than one triangle. Of 740,000
+//! rays at the hubs and edges of fans with slivers of aspect up to 1e6, one did.
 //!
 //! **Degenerate input:** as `triangle/woop`. An edge whose rounded ends coincide has no sign and rejects the ray.
 //!
-//! **Operations:** as `triangle/woop`. Ties are examined only where an edge function is zero.
+//! **Operations:** as `triangle/woop`. Ties are examined only where an edge function is zero. 40 bytes prepared.
 
 use glam::Vec3;
 use wide::f32x8;
 
-use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
+use super::woop::{Shear, Shear8, Sheared, Sheared8, close, prepare};
 use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
@@ -39,6 +39,8 @@ prepared! {
     /// Triangles for the half-open watertight test.
     pub struct WoopHalfOpen<P: Lanes> {
         vertices: Vertices<P>,
+        /// [`close`].
+        close: P,
     }
 }
 
@@ -49,13 +51,13 @@ impl Kernel for WoopHalfOpen<f32> {
         id: Id::of("triangle/woop_half_open"),
         idea: "watertight shear; the ray is moved by an infinitesimal and then meets no edge",
         source: "Woop, Benthin, Wald, 2013; Edelsbrunner, Mücke, \"Simulation of Simplicity\", 1990",
-        operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
+        operations: Operations { mul: 19, add: 22, compare: 10, div: 1, reads: 10, ..Operations::NONE },
         setup: Shear::OPERATIONS,
-        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit],
+        claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit, Claim::NoHitBehind],
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: prepare(shape) }
+        Self { vertices: prepare(shape), close: close(shape) }
     }
 
     prepared!(gather, lane);
@@ -80,8 +82,7 @@ fn tie_is_positive8(p: Vec3x8, q: Vec3x8) -> Mask8 {
 }
 
 /// Whether the moved ray is inside, and the weights with exact signs.
-#[cold]
-#[inline(never)]
+#[inline(always)]
 fn perturbed_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
     // Compute again, exactly, what came out as zero.
     let weights = sheared.exact_weights(weights);
@@ -102,8 +103,7 @@ fn perturbed_inside(sheared: Sheared, weights: [f32; 3]) -> (bool, [f32; 3]) {
 }
 
 /// [`perturbed_inside`] in eight lanes.
-#[cold]
-#[inline(never)]
+#[inline(always)]
 fn perturbed_inside8(sheared: Sheared8, weights: [f32x8; 3]) -> (Mask8, [f32x8; 3]) {
     // Compute again, exactly, what came out as zero.
     let weights = sheared.exact_weights(weights);
@@ -134,23 +134,29 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let Self { vertices } = self;
+        let Self { vertices, close } = self;
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
 
         // Compute the weights and compare their signs.
-        let mut weights = sheared.weights();
+        let weights = sheared.weights();
         let signs = sign_agreement(weights);
-        let mut inside = signs > 0.0;
-
-        // Break the tie where a weight came out as zero.
-        if signs == 0.0 {
-            (inside, weights) = perturbed_inside(sheared, weights);
+        let inside = signs >= 0.0;
+        if !inside {
+            return Hit::MISS;
         }
 
-        // Compute t and test its range.
-        sheared.hit(inside, weights, ray, setup)
+        // Interpolate t.
+        let hit = sheared.interpolate(weights, *close, setup);
+
+        // Start again, exactly, where a weight came out as zero or t cancels.
+        if (signs == 0.0) | hit.cancels {
+            return self.careful(ray, setup);
+        }
+
+        // Test the range of t.
+        hit.in_range(inside, ray)
     }
 }
 
@@ -164,22 +170,54 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let WoopHalfOpen { vertices } = self.widen();
+        let WoopHalfOpen { vertices, close } = self.widen();
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared8::of(&vertices, ray, setup);
 
         // Compute the weights and compare their signs.
-        let mut weights = sheared.weights();
+        let weights = sheared.weights();
         let signs = sign_agreement8(weights);
-        let mut inside = gt8(signs, f32x8::ZERO);
+        let inside = gt8(signs, f32x8::ZERO);
 
-        // Break the tie where a weight came out as zero.
-        if eq8(signs, f32x8::ZERO).any() {
-            (inside, weights) = perturbed_inside8(sheared, weights);
+        // Interpolate t.
+        let hit = sheared.interpolate(weights, close, setup);
+
+        // Start again, exactly, where a weight came out as zero or t cancels.
+        if (eq8(signs, f32x8::ZERO) | (inside & hit.cancels)).any() {
+            return self.careful8(ray, setup);
         }
 
-        // Compute t and test its range.
-        sheared.hit(inside, weights, ray, setup)
+        // Test the range of t.
+        hit.in_range(inside, ray)
+    }
+}
+
+impl WoopHalfOpen<f32> {
+    /// The same test, with every tie broken and every `t` that cancels taken from the plane.
+    #[cold]
+    #[inline(never)]
+    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+        let sheared = Sheared::of(&self.vertices, ray, setup);
+        let (inside, weights) = perturbed_inside(sheared, sheared.weights());
+        sheared.interpolate(weights, self.close, setup).with_plane_t(inside, &self.vertices, ray).in_range(inside, ray)
+    }
+}
+
+impl<P: Lanes> WoopHalfOpen<P> {
+    /// [`WoopHalfOpen::careful`] in eight lanes.
+    #[cold]
+    #[inline(never)]
+    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        let WoopHalfOpen { vertices, close } = self.widen();
+        let sheared = Sheared8::of(&vertices, ray, setup);
+        let weights = sheared.weights();
+        let signs = sign_agreement8(weights);
+        let (inside, weights) = if eq8(signs, f32x8::ZERO).any() {
+            perturbed_inside8(sheared, weights)
+        } else {
+            (gt8(signs, f32x8::ZERO), weights)
+        };
+        sheared.interpolate(weights, close, setup).with_plane_t(inside, &vertices, ray).in_range(inside, ray)
     }
 }

@@ -15,6 +15,8 @@ fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
         Claim::EdgeWatertight => at_edges,
         Claim::VertexWatertight => at_vertices,
         Claim::SingleHit => at_edges || at_vertices,
+        // Every miss of this regime is behind the ray's start.
+        Claim::NoHitBehind => row.workload == "leaving",
         Claim::Conservative => true,
         // These claims do not cover rays that pass so close to an apex.
         Claim::RightDecision | Claim::NoGrossError => row.workload != Workload::Edge.name(),
@@ -24,7 +26,7 @@ fn concerns(claim: Claim, row: &AccuracyRow) -> bool {
 /// The family of kernels that can make a claim.
 fn family(claim: Claim) -> &'static str {
     match claim {
-        Claim::EdgeWatertight | Claim::VertexWatertight | Claim::SingleHit => Triangle::FAMILY,
+        Claim::EdgeWatertight | Claim::VertexWatertight | Claim::SingleHit | Claim::NoHitBehind => Triangle::FAMILY,
         Claim::Conservative => Aabb::FAMILY,
         Claim::RightDecision | Claim::NoGrossError => Quadric::FAMILY,
     }
@@ -39,6 +41,7 @@ fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
             let ([leaks, of], [double_hits, _]) = (count(leaks(row)), count(double_hits(row)));
             [leaks + double_hits + row.boundary_many, of]
         }
+        Claim::NoHitBehind => count(Rate::new(row.false_hit_per_million, row.exact_misses)),
         Claim::Conservative => count(lost_by_boxes(row)),
         Claim::RightDecision => count(wrong(row)),
         Claim::NoGrossError => count(gross(row)),

@@ -8,6 +8,7 @@
 //! square roots only, and without sines, whose last digit varies between machines.
 
 mod aabb;
+mod leaving;
 mod placed;
 mod quadric;
 mod random;

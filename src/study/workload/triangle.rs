@@ -7,6 +7,7 @@ use glam::{Mat3, Vec2, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
+use super::leaving::{next_to_lattice_plane, off_surface};
 use super::{
     Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray, in_cube,
     in_square, ray_at, ray_from, sign, steep, whole,
@@ -133,6 +134,17 @@ impl Subject for Triangle {
             mesh: true,
             sample: closed_mesh,
         },
+        Regime {
+            name: "leaving",
+            about: "Rays that start ever closer to a triangle and leave it. A wrong sign of t makes them hit it. Half \
+                    of the last starts are so close that only exact numbers tell the side.",
+            axis: "distance of the start from the triangle, ulp of its coordinates",
+            steps: &[32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.0],
+            mesh: false,
+            sample: |ulps, rng| {
+                if ulps == 0.0 && rng.random() { next_to_lattice_plane(rng) } else { off_surface(ulps, rng) }
+            },
+        },
     ];
 
     const MAPS: &'static [FailureMap<Self>] = &[
@@ -183,7 +195,7 @@ fn map(shape: &Triangle, change: impl Fn(Vec3) -> Vec3) -> Triangle {
     Triangle { v0, v1, v2 }
 }
 
-fn moved(shape: &Triangle, by: Vec3) -> Triangle {
+pub(super) fn moved(shape: &Triangle, by: Vec3) -> Triangle {
     map(shape, |vertex| vertex + by)
 }
 
@@ -203,7 +215,7 @@ fn free(rng: &mut Pcg64) -> Triangle {
 }
 
 /// A nearly equilateral triangle around the world's origin, in the plane of `x` and `y`.
-fn regular(plane: Mat3, size: f32, rng: &mut Pcg64) -> Triangle {
+pub(super) fn regular(plane: Mat3, size: f32, rng: &mut Pcg64) -> Triangle {
     let corner = |x: f32, y: f32, rng: &mut Pcg64| {
         let shift = in_square(rng, 0.25);
         (plane.x_axis * (x + shift.x) + plane.y_axis * (y + shift.y)) * size
@@ -221,7 +233,7 @@ fn sliver(plane: Mat3, aspect: f32, rng: &mut Pcg64) -> Triangle {
     turned(Triangle { v0, v1, v2 }, rng)
 }
 
-fn inside(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
+pub(super) fn inside(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
     let [u, v]: [f32; 2] = [0; 2].map(|_| rng.random());
     if u + v > 1.0 { shape.point(1.0 - u, 1.0 - v) } else { shape.point(u, v) }
 }
