@@ -82,6 +82,18 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
     /// If `lane >= 8`.
     fn lane(packet: &Self::Packet, lane: usize) -> Self;
 
+    /// The candidate of eight rays and the primitive in one lane of a packet. A kernel that calls a cold function may do
+    /// without a copy of the primitive in memory.
+    #[inline(always)]
+    fn candidate_in_lane(
+        packet: &Self::Packet,
+        lane: usize,
+        ray: &Ray<f32x8>,
+        setup: &<Self as Intersect<f32x8>>::Setup,
+    ) -> Hit<f32x8> {
+        Intersect::<f32x8>::candidate(&Self::lane(packet, lane), ray, setup)
+    }
+
     /// The boxes of the eight shapes, if the prepared primitives determine them exactly. A tree then need not store
     /// them.
     #[inline(always)]

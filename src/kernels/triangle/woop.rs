@@ -12,18 +12,18 @@
 //! **Differs from the paper:** the other two axes always follow in cyclic order. The paper swaps them for a negative
 //! direction, to keep the winding. Here both sides hit, so all three signs may change together. Only determinants
 //! that are zero are computed again, not all three. `t` is interpolated with the normalised weights and divided by
-//! the direction last. That saves two multiplications and keeps products in range. If the hit is much closer to the
-//! ray's start than the triangle is long, this sum cancels, and rounding decides its sign. Then `t` is taken from the
-//! plane, with a sign that is always right (`kernels::plane`). In a packet every lane has its own axes. That takes two
-//! selections per coordinate, or none where all eight lanes agree, as they do for one ray against eight triangles.
+//! the direction last. That saves two multiplications and keeps products in range. If there are vertices on both sides
+//! of the ray's start, the terms of this sum have different signs. Where they cancel, rounding would decide the sign.
+//! Then `t` is taken from the plane, with a sign that is always right (`kernels::plane`). In a packet every lane has
+//! its own axes. That takes two selections per coordinate, or none where all eight lanes agree, as they do for one ray
+//! against eight triangles.
 //!
 //! **Edges:** closed. A ray through an edge or a vertex hits all triangles that it meets there.
 //!
 //! **Claims:** the triangles of a mesh still share their vertices exactly in the plane, so no point between them is
 //! left out. Rounding moves a vertex by up to an ulp of its distance from the origin. If that flips a triangle, a ray
 //! can hit two triangles beside it. At the rim of a mesh, where there is no other triangle, it can hit none. A ray that
-//! leaves a triangle does not hit it, not even from the point of `f32` next to its plane. The bound `close` covers rays
-//! at more than 1e-3 rad to the plane. Below that, none was seen to break the claim.
+//! leaves a triangle does not hit it, not even from the point of `f32` next to its plane.
 //!
 //! **Fails:** products overflow beyond 1e19 and vanish below 1e-23. `t` needs a finite `1 / dir` on the longest axis.
 //!
@@ -40,18 +40,20 @@
 //! came from the plane, a third of those 3 ulp off did. `t` is now right to the last bit on triangles 1000 times as
 //! long as the hit is far, where it was off by 1021 ulp (99th percentile).
 //!
-//! **Cost of the right sign:** packets take 1.02 to 1.04 times as long, one ray 0.93 to 1.0 times. In a packet, a ray
-//! that leaves a triangle takes 60 to 90 ns more. Comparing with the farthest vertex in place of the prepared `close` took packets
-//! 1.09 to 1.12 times as long.
+//! **Cost of the right sign:** in a tracer, 1.0 times the time of primary rays, and 1.05 to 1.1 times that of rays that
+//! start on surfaces. Two ways that cost more: comparing every hit with the farthest vertex (packets 1.09 to 1.12
+//! times), and with a prepared bound (40 bytes per triangle; a tracer's rays 1.1 to 1.5 times).
 //!
-//! **Operations:** 19 multiplications, 22 additions, 1 division, 10 minima, maxima and comparisons. Setup: 3
-//! divisions. 40 bytes prepared.
+//! **Operations:** 19 multiplications, 22 additions, 1 division, 9 minima, maxima and comparisons. Setup: 3
+//! divisions. 36 bytes prepared.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use wide::f32x8;
 
 use super::{Vertices, normal, sign_agreement, sign_agreement8};
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, ge8, lt8, sqrt_f64, t_in_range, t_in_range8, to_f32x8, to_f64x8};
+use crate::geom::lanes::{
+    Lanes, Mask8, Vec3x8, eq8, ge8, lt8, max, max8, sign_bit, sign_bit8, t_in_range, t_in_range8, to_f32x8, to_f64x8,
+};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::plane::plane_t;
@@ -61,8 +63,6 @@ prepared! {
     /// Triangles for the watertight test.
     pub struct Woop<P: Lanes> {
         vertices: Vertices<P>,
-        /// [`close`].
-        close: P,
     }
 }
 
@@ -73,16 +73,22 @@ impl Kernel for Woop<f32> {
         id: Id::of("triangle/woop"),
         idea: "shear the ray to an axis, then exact signs of 2×2 determinants of the rounded vertices",
         source: "Woop, Benthin, Wald, \"Watertight Ray/Triangle Intersection\", 2013",
-        operations: Operations { mul: 19, add: 22, compare: 10, div: 1, reads: 10, ..Operations::NONE },
+        operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
         setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::NoHitBehind],
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: prepare(shape), close: close(shape) }
+        Self { vertices: prepare(shape) }
     }
 
     prepared!(gather, lane);
+
+    #[inline(always)]
+    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        let vertices = Self::lane(packet, lane).widen().vertices;
+        candidate8(&vertices, ray, setup, || Self::careful_in_lane(packet, lane, ray, setup))
+    }
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
@@ -100,7 +106,7 @@ impl Intersect<f32> for Woop<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let Self { vertices, close } = self;
+        let Self { vertices } = self;
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
@@ -114,10 +120,10 @@ impl Intersect<f32> for Woop<f32> {
         }
 
         // Interpolate t.
-        let hit = sheared.interpolate(weights, *close, setup);
+        let hit = sheared.interpolate(weights, setup);
 
         // Start again, exactly, where a weight came out as zero or t cancels.
-        if (signs == 0.0) | hit.cancels {
+        if ((signs == 0.0) | sheared.straddles()) && ((signs == 0.0) | sheared.cancels(weights, &hit)) {
             return self.careful(ray, setup);
         }
 
@@ -136,27 +142,37 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let Woop { vertices, close } = self.widen();
-
-        // Shear space: the ray becomes an axis.
-        let sheared = Sheared8::of(&vertices, ray, setup);
-
-        // Compute the weights and compare their signs.
-        let weights = sheared.weights();
-        let signs = sign_agreement8(weights);
-        let inside = ge8(signs, f32x8::ZERO);
-
-        // Interpolate t.
-        let hit = sheared.interpolate(weights, close, setup);
-
-        // Start again, exactly, where a weight came out as zero or t cancels.
-        if (eq8(signs, f32x8::ZERO) | (inside & hit.cancels)).any() {
-            return self.careful8(ray, setup);
-        }
-
-        // Test the range of t.
-        hit.in_range(inside, ray)
+        candidate8(&self.widen().vertices, ray, setup, || self.careful8(ray, setup))
     }
+}
+
+/// The packet twin. `careful` gives the hits where this test is not exact enough.
+#[inline(always)]
+fn candidate8(
+    vertices: &Vertices<f32x8>,
+    ray: &Ray<f32x8>,
+    setup: &Shear8,
+    careful: impl FnOnce() -> Hit<f32x8>,
+) -> Hit<f32x8> {
+    // Shear space: the ray becomes an axis.
+    let sheared = Sheared8::of(vertices, ray, setup);
+
+    // Compute the weights and compare their signs.
+    let weights = sheared.weights();
+    let signs = sign_agreement8(weights);
+    let inside = ge8(signs, f32x8::ZERO);
+
+    // Interpolate t.
+    let hit = sheared.interpolate(weights, setup);
+
+    // Start again, exactly, where a weight came out as zero or t cancels.
+    let zero = eq8(signs, f32x8::ZERO);
+    if (zero | (inside & sheared.straddles())).any() && (zero | (inside & sheared.cancels(weights, &hit))).any() {
+        return careful();
+    }
+
+    // Test the range of t.
+    hit.in_range(inside, ray)
 }
 
 impl Woop<f32> {
@@ -167,7 +183,17 @@ impl Woop<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let weights = sheared.exact_weights(sheared.weights());
         let inside = sign_agreement(weights) >= 0.0;
-        sheared.interpolate(weights, self.close, setup).with_plane_t(inside, &self.vertices, ray).in_range(inside, ray)
+        let hit = sheared.interpolate(weights, setup);
+        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &self.vertices, ray).in_range(inside, ray)
+    }
+}
+
+impl Woop<f32> {
+    /// [`Woop::careful8`] for the triangle in one lane.
+    #[cold]
+    #[inline(never)]
+    fn careful_in_lane(packet: &Woop<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        <Self as Kernel>::lane(packet, lane).careful8(ray, setup)
     }
 }
 
@@ -176,14 +202,15 @@ impl<P: Lanes> Woop<P> {
     #[cold]
     #[inline(never)]
     fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let Woop { vertices, close } = self.widen();
+        let Woop { vertices } = self.widen();
         let sheared = Sheared8::of(&vertices, ray, setup);
         let mut weights = sheared.weights();
         if eq8(sign_agreement8(weights), f32x8::ZERO).any() {
             weights = sheared.exact_weights(weights);
         }
         let inside = ge8(sign_agreement8(weights), f32x8::ZERO);
-        sheared.interpolate(weights, close, setup).with_plane_t(inside, &vertices, ray).in_range(inside, ray)
+        let hit = sheared.interpolate(weights, setup);
+        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &vertices, ray).in_range(inside, ray)
     }
 }
 
@@ -197,17 +224,8 @@ pub(super) fn prepare(shape: &Triangle) -> Vertices<f32> {
     }
 }
 
-/// A hit may have the wrong sign of `t` if it is closer to the ray's start than this, measured along the axis.
-///
-/// A rounding of a vertex moves the hit by up to the size of the triangle times the ratio of its sides, and the
-/// more the flatter it is seen. The factor is 2¹⁶ roundings.
-pub(super) fn close(shape: &Triangle) -> f32 {
-    const FACTOR: f64 = 1.0 / 256.0;
-    let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
-    let size =
-        [v1 - v0, v2 - v1, v0 - v2].into_iter().fold(DVec3::ZERO, |size, edge| size.max(edge.abs())).max_element();
-    (FACTOR * size * (size * size / sqrt_f64(normal(shape).length_squared()))) as f32
-}
+/// See [`Sheared::cancels`].
+const CANCELS: f32 = 8.0 / (1 << 24) as f32;
 
 /// How to shear space for a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -402,14 +420,34 @@ impl Sheared {
 
     /// `t`, `u` and `v` by normalised weights.
     #[inline(always)]
-    pub(super) fn interpolate(&self, [u, v, w]: [f32; 3], close: f32, setup: &Shear) -> Interpolated<f32> {
+    pub(super) fn interpolate(&self, [u, v, w]: [f32; 3], setup: &Shear) -> Interpolated<f32> {
         // Normalise the weights.
         let inv_det = 1.0 / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
 
         // Interpolate t. A NaN in any weight makes t NaN: a miss.
         let along = u * self.b.z + v * self.c.z + w * self.a.z;
-        Interpolated { t: along * setup.z, u, v, cancels: along.abs() < close }
+        Interpolated { t: along * setup.z, u, v, along }
+    }
+
+    /// Whether there are vertices on both sides of the ray's start. If not, all terms of `t` have the same sign.
+    #[inline(always)]
+    pub(super) fn straddles(&self) -> bool {
+        let [a, b, c] = [self.a.z, self.b.z, self.c.z].map(sign_bit);
+        (a != b) | (b != c)
+    }
+
+    /// Whether `t` may have the wrong sign, because its terms cancel.
+    ///
+    /// A rounding changes a weight by up to ε times the square of the largest coordinate, relative to the triangle's
+    /// area across the ray. [`CANCELS`] is 8 roundings.
+    #[inline(always)]
+    pub(super) fn cancels(&self, [u, v, w]: [f32; 3], hit: &Interpolated<f32>) -> bool {
+        let Self { a, b, c } = *self;
+        let size = |p: Vec3| p.x.abs() + p.y.abs() + p.z.abs();
+        let depth = max(max(a.z.abs(), b.z.abs()), c.z.abs());
+        let reach = max(max(size(a), size(b)), size(c));
+        self.straddles() & (hit.along.abs() < CANCELS * depth * (reach * reach / (u + v + w).abs()))
     }
 }
 
@@ -452,14 +490,30 @@ impl Sheared8 {
 
     /// [`Sheared::interpolate`] in eight lanes.
     #[inline(always)]
-    pub(super) fn interpolate(&self, [u, v, w]: [f32x8; 3], close: f32x8, setup: &Shear8) -> Interpolated<f32x8> {
+    pub(super) fn interpolate(&self, [u, v, w]: [f32x8; 3], setup: &Shear8) -> Interpolated<f32x8> {
         // Normalise the weights.
         let inv_det = f32x8::ONE / (u + v + w);
         let (u, v, w) = (u * inv_det, v * inv_det, w * inv_det);
 
         // Interpolate t. A NaN in any weight makes t NaN: a miss.
         let along = u * self.b.z + v * self.c.z + w * self.a.z;
-        Interpolated { t: along * setup.z, u, v, cancels: lt8(along.abs(), close) }
+        Interpolated { t: along * setup.z, u, v, along }
+    }
+
+    /// [`Sheared::straddles`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn straddles(&self) -> Mask8 {
+        sign_bit8((self.a.z ^ self.b.z) | (self.b.z ^ self.c.z))
+    }
+
+    /// [`Sheared::cancels`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn cancels(&self, [u, v, w]: [f32x8; 3], hit: &Interpolated<f32x8>) -> Mask8 {
+        let Self { a, b, c } = *self;
+        let size = |p: Vec3x8| p.x.abs() + p.y.abs() + p.z.abs();
+        let depth = max8(max8(a.z.abs(), b.z.abs()), c.z.abs());
+        let reach = max8(max8(size(a), size(b)), size(c));
+        self.straddles() & lt8(hit.along.abs(), f32x8::splat(CANCELS) * depth * (reach * reach / (u + v + w).abs()))
     }
 }
 
@@ -469,16 +523,16 @@ pub(super) struct Interpolated<L: Lanes> {
     t: L,
     u: L,
     v: L,
-    /// Whether `t` is much smaller than the numbers that it was summed from. Rounding may have changed its sign.
-    pub(super) cancels: L::Mask,
+    /// `t` in coordinates along the axis.
+    along: L,
 }
 
 impl Interpolated<f32> {
-    /// Takes `t` from the plane where it cancels.
+    /// Takes `t` from the plane where it `cancels`.
     #[inline(always)]
-    pub(super) fn with_plane_t(self, inside: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
+    pub(super) fn with_plane_t(self, cancels: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
         let Vertices { v0, v1, v2 } = *vertices;
-        let t = if inside & self.cancels { plane_t([v0, v1, v2], ray.origin, ray.dir) } else { self.t };
+        let t = if cancels { plane_t([v0, v1, v2], ray.origin, ray.dir) } else { self.t };
         Self { t, ..self }
     }
 
@@ -492,9 +546,9 @@ impl Interpolated<f32> {
 impl Interpolated<f32x8> {
     /// [`Interpolated::<f32>::with_plane_t`] in eight lanes.
     #[inline(always)]
-    pub(super) fn with_plane_t(self, inside: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
+    pub(super) fn with_plane_t(self, cancels: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
         let Vertices { v0, v1, v2 } = vertices;
-        let (mut t, cancels) = (self.t.to_array(), inside & self.cancels);
+        let mut t = self.t.to_array();
         let mut lanes = cancels.bits();
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;

@@ -23,12 +23,12 @@
 //!
 //! **Degenerate input:** as `triangle/woop`. An edge whose rounded ends coincide has no sign and rejects the ray.
 //!
-//! **Operations:** as `triangle/woop`. Ties are examined only where an edge function is zero. 40 bytes prepared.
+//! **Operations:** as `triangle/woop`. Ties are examined only where an edge function is zero.
 
 use glam::Vec3;
 use wide::f32x8;
 
-use super::woop::{Shear, Shear8, Sheared, Sheared8, close, prepare};
+use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
 use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
 use crate::geom::{Hit, Ray, Triangle};
@@ -39,8 +39,6 @@ prepared! {
     /// Triangles for the half-open watertight test.
     pub struct WoopHalfOpen<P: Lanes> {
         vertices: Vertices<P>,
-        /// [`close`].
-        close: P,
     }
 }
 
@@ -51,16 +49,22 @@ impl Kernel for WoopHalfOpen<f32> {
         id: Id::of("triangle/woop_half_open"),
         idea: "watertight shear; the ray is moved by an infinitesimal and then meets no edge",
         source: "Woop, Benthin, Wald, 2013; Edelsbrunner, Mücke, \"Simulation of Simplicity\", 1990",
-        operations: Operations { mul: 19, add: 22, compare: 10, div: 1, reads: 10, ..Operations::NONE },
+        operations: Operations { mul: 19, add: 22, compare: 9, div: 1, reads: 9, ..Operations::NONE },
         setup: Shear::OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit, Claim::NoHitBehind],
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: prepare(shape), close: close(shape) }
+        Self { vertices: prepare(shape) }
     }
 
     prepared!(gather, lane);
+
+    #[inline(always)]
+    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        let vertices = Self::lane(packet, lane).widen().vertices;
+        candidate8(&vertices, ray, setup, || Self::careful_in_lane(packet, lane, ray, setup))
+    }
 
     #[inline(always)]
     fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
@@ -134,7 +138,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
-        let Self { vertices, close } = self;
+        let Self { vertices } = self;
 
         // Shear space: the ray becomes an axis.
         let sheared = Sheared::of(vertices, ray, setup);
@@ -148,10 +152,10 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
         }
 
         // Interpolate t.
-        let hit = sheared.interpolate(weights, *close, setup);
+        let hit = sheared.interpolate(weights, setup);
 
         // Start again, exactly, where a weight came out as zero or t cancels.
-        if (signs == 0.0) | hit.cancels {
+        if ((signs == 0.0) | sheared.straddles()) && ((signs == 0.0) | sheared.cancels(weights, &hit)) {
             return self.careful(ray, setup);
         }
 
@@ -170,27 +174,37 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
 
     #[inline(always)]
     fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let WoopHalfOpen { vertices, close } = self.widen();
-
-        // Shear space: the ray becomes an axis.
-        let sheared = Sheared8::of(&vertices, ray, setup);
-
-        // Compute the weights and compare their signs.
-        let weights = sheared.weights();
-        let signs = sign_agreement8(weights);
-        let inside = gt8(signs, f32x8::ZERO);
-
-        // Interpolate t.
-        let hit = sheared.interpolate(weights, close, setup);
-
-        // Start again, exactly, where a weight came out as zero or t cancels.
-        if (eq8(signs, f32x8::ZERO) | (inside & hit.cancels)).any() {
-            return self.careful8(ray, setup);
-        }
-
-        // Test the range of t.
-        hit.in_range(inside, ray)
+        candidate8(&self.widen().vertices, ray, setup, || self.careful8(ray, setup))
     }
+}
+
+/// The packet twin. `careful` gives the hits where this test is not exact enough.
+#[inline(always)]
+fn candidate8(
+    vertices: &Vertices<f32x8>,
+    ray: &Ray<f32x8>,
+    setup: &Shear8,
+    careful: impl FnOnce() -> Hit<f32x8>,
+) -> Hit<f32x8> {
+    // Shear space: the ray becomes an axis.
+    let sheared = Sheared8::of(vertices, ray, setup);
+
+    // Compute the weights and compare their signs.
+    let weights = sheared.weights();
+    let signs = sign_agreement8(weights);
+    let inside = gt8(signs, f32x8::ZERO);
+
+    // Interpolate t.
+    let hit = sheared.interpolate(weights, setup);
+
+    // Start again, exactly, where a weight came out as zero or t cancels.
+    let zero = eq8(signs, f32x8::ZERO);
+    if (zero | (inside & sheared.straddles())).any() && (zero | (inside & sheared.cancels(weights, &hit))).any() {
+        return careful();
+    }
+
+    // Test the range of t.
+    hit.in_range(inside, ray)
 }
 
 impl WoopHalfOpen<f32> {
@@ -200,7 +214,17 @@ impl WoopHalfOpen<f32> {
     fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let (inside, weights) = perturbed_inside(sheared, sheared.weights());
-        sheared.interpolate(weights, self.close, setup).with_plane_t(inside, &self.vertices, ray).in_range(inside, ray)
+        let hit = sheared.interpolate(weights, setup);
+        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &self.vertices, ray).in_range(inside, ray)
+    }
+}
+
+impl WoopHalfOpen<f32> {
+    /// [`WoopHalfOpen::careful8`] for the triangle in one lane.
+    #[cold]
+    #[inline(never)]
+    fn careful_in_lane(packet: &WoopHalfOpen<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+        <Self as Kernel>::lane(packet, lane).careful8(ray, setup)
     }
 }
 
@@ -209,7 +233,7 @@ impl<P: Lanes> WoopHalfOpen<P> {
     #[cold]
     #[inline(never)]
     fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
-        let WoopHalfOpen { vertices, close } = self.widen();
+        let WoopHalfOpen { vertices } = self.widen();
         let sheared = Sheared8::of(&vertices, ray, setup);
         let weights = sheared.weights();
         let signs = sign_agreement8(weights);
@@ -218,6 +242,7 @@ impl<P: Lanes> WoopHalfOpen<P> {
         } else {
             (gt8(signs, f32x8::ZERO), weights)
         };
-        sheared.interpolate(weights, close, setup).with_plane_t(inside, &vertices, ray).in_range(inside, ray)
+        let hit = sheared.interpolate(weights, setup);
+        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &vertices, ray).in_range(inside, ray)
     }
 }

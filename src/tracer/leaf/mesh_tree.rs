@@ -108,7 +108,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         counter: &mut impl Counter,
     ) -> Option<Hit<f32x8>> {
         let LeafTriangles { prepared, numbers } = &self.leaves[leaf];
-        let hit = Intersect::<f32x8>::candidate(&K::lane(prepared, slot & 7), ray, &setup.kernel);
+        let hit = K::candidate_in_lane(prepared, slot & 7, ray, &setup.kernel);
         counter.test(|| lanes_in_box(boxes, slot, ray, &setup.slabs));
         let apply = || apply_box_rule(hit, &boxes.lane(slot), numbers.0[slot & 7], ray, &setup.slabs);
         hit.mask.any().then(apply)

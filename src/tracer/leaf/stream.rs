@@ -109,7 +109,7 @@ impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
         let LeafTriangles { prepared, numbers: triangles } = &self.tree.leaves[leaf];
         let (mut best, mut slabs) = (Hit::<f32x8>::miss(), None);
         for slot in 0..triangles.len() {
-            let hit = Intersect::<f32x8>::candidate(&K::lane(prepared, slot & 7), &ray, &setup);
+            let hit = K::candidate_in_lane(prepared, slot & 7, &ray, &setup);
             counter.test(|| lanes_in_box(&self.tree.boxes(leaf), slot, &ray, &InverseDirection::<f32x8>::of(&ray)));
             if hit.mask.any() {
                 let slabs = slabs.get_or_insert_with(|| InverseDirection::<f32x8>::of(&ray));

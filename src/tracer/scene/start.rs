@@ -10,7 +10,7 @@ use crate::kernels::Kernel;
 
 /// Bound on the error of a kernel's test of the surface that a ray leaves, in units of 2⁻²⁴ of the terms of its sums:
 /// subtracting the origin, transforming it, and the products with the normal.
-const ERROR: f64 = 8.0 / (1_u64 << 24) as f64;
+const ERROR: f64 = 24.0 / (1_u64 << 24) as f64;
 
 /// The least distance from the surface, relative to its size and place, also where the error bound is zero.
 const LEAST: f64 = 1.0 / (1_u64 << 50) as f64;
