@@ -82,8 +82,8 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
     /// If `lane >= 8`.
     fn lane(packet: &Self::Packet, lane: usize) -> Self;
 
-    /// The candidate of eight rays and the primitive in one lane of a packet. A kernel that calls a cold function may do
-    /// without a copy of the primitive in memory.
+    /// The candidate of eight rays and the primitive in one lane of a packet. A kernel that calls a cold function may
+    /// do without a copy of the primitive in memory.
     #[inline(always)]
     fn candidate_in_lane(
         packet: &Self::Packet,

@@ -1,5 +1,5 @@
-//! Building a tree: `split` makes one with two children per node, `reinsert` improves it, `collapse` makes eight of two,
-//! and the boxes are computed anew.
+//! Building a tree: `split` makes one with two children per node, `reinsert` improves it, `collapse` makes eight of
+//! two, and the boxes are computed anew.
 
 use super::boxes::Boxes;
 use super::collapse::{Collapse, Costs, slots};

@@ -46,8 +46,8 @@ impl<'a> Collapse<'a> {
                 open.extend([first, first + 1]);
             }
         }
-        // Relative to the root's, an area vanishes in `f32` only if the box is 1e19 times smaller. Boxes of no area cost
-        // the same, so the plan makes few nodes of them.
+        // Relative to the root's, an area vanishes in `f32` only if the box is 1e19 times smaller. Boxes of no area
+        // cost the same, so the plan makes few nodes of them.
         let scale = 1.0 / half_area(&source.nodes[0].bounds).max(f64::MIN_POSITIVE);
         let mut plans = vec![Plan::default(); source.nodes.len()];
         for number in order.into_iter().rev() {

@@ -28,8 +28,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// Where a ray starts that leaves the surface at a hit, on the side that the hit's ray came from.
     ///
     /// The distance of the rounded point from the triangle's plane, or from the quadric, is more than the error that an
-    /// intersection can make there. So `t_min` of the new ray can be 0, whatever the scale of the scene and its distance
-    /// from the origin.
+    /// intersection can make there. So `t_min` of the new ray can be 0, whatever the scale of the scene and its
+    /// distance from the origin.
     pub(crate) fn start(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> Start {
         let placement = &self.world().instances()[hit.instance as usize];
         let transform = &placement.object_to_world;

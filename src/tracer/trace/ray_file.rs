@@ -18,8 +18,8 @@ const MAX_BYTES: u64 = 1 << 32;
 /// Reads rays: eight `f32` each, `ox oy oz t_min dx dy dz t_max`. Every value is allowed: an invalid ray misses.
 ///
 /// # Errors
-/// If the file cannot be read, ends inside a ray, has no rays, has more than 134,217,728 rays, or if its rays do not fit
-/// into memory.
+/// If the file cannot be read, ends inside a ray, has no rays, has more than 134,217,728 rays, or if its rays do not
+/// fit into memory.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<f32>>, Error> {
     read_at_most(MAX_BYTES, path)
 }

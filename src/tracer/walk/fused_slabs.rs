@@ -23,8 +23,8 @@ pub(crate) const LARGEST: f32 = 1e30;
 /// strict.
 pub(crate) const STEEPEST: f32 = 1.152_921_5e18;
 
-/// The largest `|origin| + largest |plane|` at which the fused test is sharp enough: its error bound, in coordinates, is
-/// then at most a quarter of the smallest leaf. Beyond it, a ray would visit every leaf of a small object on a large
+/// The largest `|origin| + largest |plane|` at which the fused test is sharp enough: its error bound, in coordinates,
+/// is then at most a quarter of the smallest leaf. Beyond it, a ray would visit every leaf of a small object on a large
 /// ground. In real meshes the error bound is a hundredth of the smallest leaf, or less.
 #[inline(always)]
 pub(crate) fn sharp_reach(extent: &Extent) -> f32 {
