@@ -120,3 +120,36 @@ fn cheap_errors_come_before_the_work() {
     assert_eq!(folder.names(), ["bad.obj", "directory"]);
     assert!(begin.elapsed() < Duration::from_secs(20), "something was measured");
 }
+
+/// A picture is right, or one line says why there is none.
+#[test]
+fn a_view_without_a_picture_is_an_error() {
+    let folder = Folder::new("views");
+    let mesh = |name: &str, size: f32| {
+        let half = size / 2.0;
+        folder.file(name, format!("v -{half:e} 0 0\nv {half:e} 0 0\nv 0 {half:e} 0\nf 1 2 3\n"))
+    };
+    let (ordinary, tiny, huge) = (mesh("one.obj", 2.0), mesh("tiny.obj", 1e-20), mesh("huge.obj", 1e19));
+    let trace = |scene: &'static str| ["trace", scene, "--size", "8x8", "--repeat", "1"];
+    let fails_from = |eye: &str, look_at: &str, words: &[&str]| {
+        fails(&[&trace("room:small")[..], &["--eye", eye, "--look-at", look_at]].concat(), words);
+    };
+    fails_from("1,2,3", "1,2,3", &["room:small", "no direction", "[1, 2, 3]"]);
+    fails_from("1e38,0,0", "0,0,0", &["eye", "1e38"]);
+    fails_from("0,0,0", "0,3e38,0", &["look-at", "3e38"]);
+    fails_from("1e9,0,0", "0,0,0", &["times the scene's size away"]);
+    for scene in [&tiny, &huge] {
+        fails(&["trace", text(scene), "--size", "8x8"], &["the size of the scene", "scale the scene"]);
+        // Rays of a file have their own directions and are traced.
+        let rays = folder.0.join("one.rays");
+        write_rays(&rays, &[Ray::new(Vec3::Z, Vec3::NEG_Z)]).unwrap();
+        succeeds(&["trace", text(scene), "--rays", text(&rays), "--repeat", "1"]);
+    }
+    // A narrower field of view shows the triangle larger.
+    let hits = |fov: &str| {
+        let arguments = ["trace", text(&ordinary), "--size", "64x64", "--repeat", "1", "--json", "--fov", fov];
+        let json: serde_json::Value = serde_json::from_str(&succeeds(&arguments)).unwrap();
+        json["hits"].as_u64().unwrap()
+    };
+    assert!(hits("20") > 2 * hits("40"), "{} and {} hits", hits("20"), hits("40"));
+}

@@ -67,8 +67,7 @@ fn unit_step(n: Int3) -> Option<Int3> {
 }
 
 /// Rays that start on a lattice, at the points next to the plane of a triangle. The distance is a few times `1/|n|`,
-/// where
-/// `n` is the normal in whole numbers. `f64` cannot tell it from zero.
+/// where `n` is the normal in whole numbers. `f64` cannot tell it from zero.
 pub(super) fn next_to_lattice_plane(rng: &mut Pcg64) -> Sample<Triangle> {
     let whole = |rng: &mut Pcg64| [0; 3].map(|_| i128::from(rng.random_range(-REACH..=REACH)));
     let (e1, e2, n, step) = loop {

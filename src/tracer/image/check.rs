@@ -24,14 +24,21 @@ pub enum ViewError {
     NoLight(Vec3),
     /// A size or distance is out of range: what it is, and its value.
     #[error(
-        "{0} is {1:e}, but pictures need values from {least:e} to {most:e}: move or scale the scene",
+        "{0} is {value}, but pictures need values from {least:e} to {most:e}: move or scale the scene",
+        value = short(*.1),
         least = RANGE.start(),
         most = RANGE.end()
     )]
     OutOfRange(&'static str, f64),
     /// The scene is smaller than a step between two directions.
-    #[error("the eye is {0:e} times the scene's size away, at most {FARTHEST:e} can be seen")]
+    #[error("the eye is {} times the scene's size away, at most {FARTHEST:e} can be seen", short(*.0))]
     TooFar(f64),
+}
+
+/// With as few digits as an `f32` needs.
+fn short(value: f64) -> String {
+    let rounded = value as f32;
+    if rounded.is_finite() { format!("{rounded:e}") } else { format!("{value:e}") }
 }
 
 fn check_range(what: &'static str, value: f64) -> Result<(), ViewError> {

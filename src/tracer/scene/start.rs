@@ -80,7 +80,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         loop {
             let start = (point + normal * offset).as_vec3();
             // A surface without a normal, or with one beyond the range of numbers: nothing is better.
-            if height(start.as_dvec3()) > needed || !(offset < size) {
+            if height(start.as_dvec3()) > needed || offset >= size || !offset.is_finite() {
                 return Start { point: start, normal: normal.as_vec3() };
             }
             offset *= 2.0;
