@@ -107,6 +107,12 @@ impl Aabb {
         self.hi - self.lo
     }
 
+    /// Length of the diagonal. In `f64` it neither overflows nor vanishes.
+    #[inline]
+    pub fn diagonal(&self) -> f64 {
+        (self.hi.as_dvec3() - self.lo.as_dvec3()).length()
+    }
+
     /// The middle.
     #[inline]
     pub fn center(&self) -> Vec3 {

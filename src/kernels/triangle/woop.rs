@@ -122,7 +122,7 @@ impl Intersect<f32> for Woop<f32> {
         let hit = sheared.interpolate(weights, setup);
 
         // Start again, exactly, where a weight came out as zero or t cancels.
-        if ((signs == 0.0) | sheared.straddles()) && ((signs == 0.0) | sheared.cancels(weights, &hit)) {
+        if signs == 0.0 || sheared.cancels(weights, &hit) {
             return self.careful(ray, setup);
         }
 
@@ -182,12 +182,9 @@ impl Woop<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let weights = sheared.exact_weights(sheared.weights());
         let inside = sign_agreement(weights) >= 0.0;
-        let hit = sheared.interpolate(weights, setup);
-        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &self.vertices, ray).in_range(inside, ray)
+        sheared.careful_hit(inside, weights, &self.vertices, ray, setup)
     }
-}
 
-impl Woop<f32> {
     /// [`Woop::careful8`] for the triangle in one lane.
     #[cold]
     #[inline(never)]
@@ -208,8 +205,7 @@ impl<P: Lanes> Woop<P> {
             weights = sheared.exact_weights(weights);
         }
         let inside = ge8(sign_agreement8(weights), f32x8::ZERO);
-        let hit = sheared.interpolate(weights, setup);
-        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &vertices, ray).in_range(inside, ray)
+        sheared.careful_hit(inside, weights, &vertices, ray, setup)
     }
 }
 
@@ -405,10 +401,9 @@ impl Sheared {
         [cross2(u), cross2(v), cross2(w)]
     }
 
-    /// The weights, with zeros computed again. What is still zero is exactly zero. Takes the triangle by value: a
-    /// reference would keep all of it in memory.
+    /// The weights, with zeros computed again. What is still zero is exactly zero.
     #[inline(always)]
-    pub(super) fn exact_weights(self, weights: [f32; 3]) -> [f32; 3] {
+    pub(super) fn exact_weights(&self, weights: [f32; 3]) -> [f32; 3] {
         let edges = self.edges();
         [0, 1, 2].map(|edge| {
             let (p, q) = edges[edge];
@@ -431,7 +426,7 @@ impl Sheared {
 
     /// Whether there are vertices on both sides of the ray's start. If not, all terms of `t` have the same sign.
     #[inline(always)]
-    pub(super) fn straddles(&self) -> bool {
+    fn straddles(&self) -> bool {
         let [a, b, c] = [self.a.z, self.b.z, self.c.z].map(sign_bit);
         (a != b) | (b != c)
     }
@@ -442,11 +437,28 @@ impl Sheared {
     /// area across the ray. [`CANCELS`] is 8 roundings.
     #[inline(always)]
     pub(super) fn cancels(&self, [u, v, w]: [f32; 3], hit: &Interpolated<f32>) -> bool {
+        if !self.straddles() {
+            return false;
+        }
         let Self { a, b, c } = *self;
         let size = |p: Vec3| p.x.abs() + p.y.abs() + p.z.abs();
         let depth = max(max(a.z.abs(), b.z.abs()), c.z.abs());
         let reach = max(max(size(a), size(b)), size(c));
-        self.straddles() & (hit.along.abs() < CANCELS * depth * (reach * reach / (u + v + w).abs()))
+        hit.along.abs() < CANCELS * depth * (reach * reach / (u + v + w).abs())
+    }
+
+    /// The hit by exact weights, with `t` from the plane where it cancels.
+    #[inline(always)]
+    pub(super) fn careful_hit(
+        &self,
+        inside: bool,
+        weights: [f32; 3],
+        vertices: &Vertices<f32>,
+        ray: &Ray<f32>,
+        setup: &Shear,
+    ) -> Hit<f32> {
+        let hit = self.interpolate(weights, setup);
+        hit.with_plane_t(inside & self.cancels(weights, &hit), vertices, ray).in_range(inside, ray)
     }
 }
 
@@ -478,7 +490,7 @@ impl Sheared8 {
 
     /// [`Sheared::exact_weights`] in eight lanes.
     #[inline(always)]
-    pub(super) fn exact_weights(self, weights: [f32x8; 3]) -> [f32x8; 3] {
+    pub(super) fn exact_weights(&self, weights: [f32x8; 3]) -> [f32x8; 3] {
         let edges = self.edges();
         [0, 1, 2].map(|edge| {
             let (p, q) = edges[edge];
@@ -514,6 +526,20 @@ impl Sheared8 {
         let reach = max8(max8(size(a), size(b)), size(c));
         self.straddles() & lt8(hit.along.abs(), f32x8::splat(CANCELS) * depth * (reach * reach / (u + v + w).abs()))
     }
+
+    /// [`Sheared::careful_hit`] in eight lanes.
+    #[inline(always)]
+    pub(super) fn careful_hit(
+        &self,
+        inside: Mask8,
+        weights: [f32x8; 3],
+        vertices: &Vertices<f32x8>,
+        ray: &Ray<f32x8>,
+        setup: &Shear8,
+    ) -> Hit<f32x8> {
+        let hit = self.interpolate(weights, setup);
+        hit.with_plane_t(inside & self.cancels(weights, &hit), vertices, ray).in_range(inside, ray)
+    }
 }
 
 /// The numbers of a hit.
@@ -529,7 +555,7 @@ pub(super) struct Interpolated<L: Lanes> {
 impl Interpolated<f32> {
     /// Takes `t` from the plane where it `cancels`.
     #[inline(always)]
-    pub(super) fn with_plane_t(self, cancels: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
+    fn with_plane_t(self, cancels: bool, vertices: &Vertices<f32>, ray: &Ray<f32>) -> Self {
         let Vertices { v0, v1, v2 } = *vertices;
         let t = if cancels { plane_t([v0, v1, v2], ray.origin, ray.dir) } else { self.t };
         Self { t, ..self }
@@ -545,7 +571,7 @@ impl Interpolated<f32> {
 impl Interpolated<f32x8> {
     /// [`Interpolated::<f32>::with_plane_t`] in eight lanes.
     #[inline(always)]
-    pub(super) fn with_plane_t(self, cancels: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
+    fn with_plane_t(self, cancels: Mask8, vertices: &Vertices<f32x8>, ray: &Ray<f32x8>) -> Self {
         let Vertices { v0, v1, v2 } = vertices;
         let mut t = self.t.to_array();
         let mut lanes = cancels.bits();

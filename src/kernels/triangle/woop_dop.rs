@@ -94,12 +94,9 @@ impl WoopDop<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let weights = sheared.edges().map(difference);
         let inside = sign_agreement(weights) >= 0.0;
-        let hit = sheared.interpolate(weights, setup);
-        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &self.vertices, ray).in_range(inside, ray)
+        sheared.careful_hit(inside, weights, &self.vertices, ray, setup)
     }
-}
 
-impl WoopDop<f32> {
     /// [`WoopDop::careful8`] for the triangle in one lane.
     #[cold]
     #[inline(never)]
@@ -117,8 +114,7 @@ impl<P: Lanes> WoopDop<P> {
         let sheared = Sheared8::of(&vertices, ray, setup);
         let weights = sheared.edges().map(difference8);
         let inside = ge8(sign_agreement8(weights), f32x8::ZERO);
-        let hit = sheared.interpolate(weights, setup);
-        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &vertices, ray).in_range(inside, ray)
+        sheared.careful_hit(inside, weights, &vertices, ray, setup)
     }
 }
 
@@ -151,7 +147,7 @@ impl Intersect<f32> for WoopDop<f32> {
         let hit = sheared.interpolate(weights, setup);
 
         // Start again where t cancels.
-        if sheared.straddles() && sheared.cancels(weights, &hit) {
+        if sheared.cancels(weights, &hit) {
             return self.careful(ray, setup);
         }
 

@@ -155,7 +155,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
         let hit = sheared.interpolate(weights, setup);
 
         // Start again, exactly, where a weight came out as zero or t cancels.
-        if ((signs == 0.0) | sheared.straddles()) && ((signs == 0.0) | sheared.cancels(weights, &hit)) {
+        if signs == 0.0 || sheared.cancels(weights, &hit) {
             return self.careful(ray, setup);
         }
 
@@ -214,12 +214,9 @@ impl WoopHalfOpen<f32> {
     fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let (inside, weights) = perturbed_inside(sheared, sheared.weights());
-        let hit = sheared.interpolate(weights, setup);
-        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &self.vertices, ray).in_range(inside, ray)
+        sheared.careful_hit(inside, weights, &self.vertices, ray, setup)
     }
-}
 
-impl WoopHalfOpen<f32> {
     /// [`WoopHalfOpen::careful8`] for the triangle in one lane.
     #[cold]
     #[inline(never)]
@@ -242,7 +239,6 @@ impl<P: Lanes> WoopHalfOpen<P> {
         } else {
             (gt8(signs, f32x8::ZERO), weights)
         };
-        let hit = sheared.interpolate(weights, setup);
-        hit.with_plane_t(inside & sheared.cancels(weights, &hit), &vertices, ray).in_range(inside, ray)
+        sheared.careful_hit(inside, weights, &vertices, ray, setup)
     }
 }

@@ -68,7 +68,7 @@ impl Bvh {
             let boxes = self.nodes[number].children.map(|child| match child.leaf() {
                 Ok(leaf) => {
                     let bounds = self.leaves[leaf].numbers().fold(Aabb::EMPTY, union);
-                    let size = diagonal(&bounds) as f32;
+                    let size = bounds.diagonal() as f32;
                     if size > 0.0 {
                         self.extent.smallest_leaf = self.extent.smallest_leaf.min(size);
                     }
@@ -82,14 +82,9 @@ impl Bvh {
     }
 }
 
-/// Length of a box's diagonal.
-fn diagonal(bounds: &Aabb) -> f64 {
-    (bounds.hi.as_dvec3() - bounds.lo.as_dvec3()).length()
-}
-
 /// Mean length of the items' diagonals, or eight times the median if that is less.
 fn item_size(count: usize, bounds_of: impl Fn(u32) -> Aabb) -> f32 {
-    let mut sizes: Vec<_> = (0..count as u32).map(|item| diagonal(&bounds_of(item))).collect();
+    let mut sizes: Vec<_> = (0..count as u32).map(|item| bounds_of(item).diagonal()).collect();
     let mean = sizes.iter().sum::<f64>() / count as f64;
     let (_, &mut median, _) = sizes.select_nth_unstable_by(count / 2, f64::total_cmp);
     mean.min(8.0 * median) as f32

@@ -80,7 +80,7 @@ pub(super) fn split(count: usize, bounds_of: impl Fn(u32) -> Aabb + Sync) -> Bin
     BinaryTree { nodes }
 }
 
-/// Builds the tree over `items`: its root, and the nodes below it, of which `first` is the index of the first.
+/// Builds the tree over `items` in `root` and `below`. `first` is the index of the first node of `below`.
 fn build(items: &mut [Item], root: &mut BinaryNode, below: &mut [BinaryNode], first: usize, depth: u32) {
     let (mut bounds, mut middles) = (Bounds::EMPTY, Bounds::EMPTY);
     for item in &*items {
@@ -128,12 +128,16 @@ fn divide(items: &mut [Item], middles: Bounds, depth: u32) -> usize {
     }
 }
 
+fn sort_along(items: &mut [Item], axis: usize) {
+    items.sort_unstable_by(|a, b| a.middle()[axis].total_cmp(&b.middle()[axis]).then(a.number.cmp(&b.number)));
+}
+
 /// Sorts the items along the best axis and returns the best place to split.
 fn divide_sorted(items: &mut [Item]) -> usize {
     let count = items.len();
     let mut best = (f64::INFINITY, 0, count / 2);
     for axis in 0..3 {
-        items.sort_unstable_by(|a, b| a.middle()[axis].total_cmp(&b.middle()[axis]).then(a.number.cmp(&b.number)));
+        sort_along(items, axis);
         let mut right_areas = [0.0; SORTED];
         let mut right = Bounds::EMPTY;
         for index in (1..count).rev() {
@@ -151,7 +155,7 @@ fn divide_sorted(items: &mut [Item]) -> usize {
     }
     let axis = best.1;
     if axis != 2 {
-        items.sort_unstable_by(|a, b| a.middle()[axis].total_cmp(&b.middle()[axis]).then(a.number.cmp(&b.number)));
+        sort_along(items, axis);
     }
     best.2
 }

@@ -59,19 +59,19 @@ impl View {
     /// The first thing in its way. A view whose camera looks past the scene is no error.
     pub fn check(&self, world: &World) -> Result<(), ViewError> {
         let bounds = world.bounds();
-        let size = (bounds.hi.as_dvec3() - bounds.lo.as_dvec3()).length();
+        let size = bounds.diagonal();
         check_range("the size of the scene", size)?;
         for place in [bounds.lo, bounds.hi] {
             check_place("the largest coordinate of the scene", place)?;
         }
         for geometry in world.geometries() {
             let bounds = geometry.bounds();
-            let size = (bounds.hi.as_dvec3() - bounds.lo.as_dvec3()).length();
-            match geometry {
-                Geometry::Mesh(_) => check_range("the size of a mesh", size)?,
-                Geometry::Quadric(_) => check_range("the size of a quadric", size)?,
-            }
-            check_place("the largest coordinate of a mesh", bounds.lo.abs().max(bounds.hi.abs()))?;
+            let (size, place) = match geometry {
+                Geometry::Mesh(_) => ("the size of a mesh", "the largest coordinate of a mesh"),
+                Geometry::Quadric(_) => ("the size of a quadric", "the largest coordinate of a quadric"),
+            };
+            check_range(size, bounds.diagonal())?;
+            check_place(place, bounds.lo.abs().max(bounds.hi.abs()))?;
         }
         if self.eye == self.look_at {
             return Err(ViewError::NoDirection(self.eye));
