@@ -35,9 +35,9 @@
 //!
 //! **Seen:** of 11,200,000 rays at fans none leaked. Some rays that are not exactly on a boundary hit two triangles: 22
 //! of 1,840,000 aimed at edges; none of 3,730,000 aimed inside; 72 % of 1,560,000 that were aimed at a vertex and pass
-//! it by a rounding error, because the rounded vertex is then exactly on the ray. Of 400,000 rays
-//! of the regime `leaving`, which start 0 to 32 ulp off a triangle, none hit it. Before `t` came from the plane, a third
-//! of those 3 ulp off did.
+//! it by a rounding error, because the rounded vertex is then exactly on the ray. Of 400,000 rays of the regime
+//! `leaving`, which start 0 to 32 ulp off a triangle, none hit it. Before `t` came from the plane, a third of those
+//! 3 ulp off did.
 //!
 //! **Cost of the right sign:** in a tracer, 1.0 times the time of primary rays, and 1.05 to 1.1 times that of rays that
 //! start on surfaces. Two ways that cost more: comparing every hit with the farthest vertex (packets 1.09 to 1.12
