@@ -2,10 +2,12 @@
 //! them.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+
+use same_file::is_same_file;
 
 use crate::error::Error;
 
@@ -60,29 +62,20 @@ fn too_long(max_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("longer than {max_bytes} bytes"))
 }
 
-/// Whether the file at `path` was opened by [`Input::open`], under this name or another.
+/// Whether the regular file at `path` was opened by [`Input::open`], under this name or another.
 pub(super) fn was_read(path: &Path) -> bool {
-    let Some(file) = identity(path) else { return false };
+    if !path.is_file() {
+        return false;
+    }
+    // Files are compared as they are now: the number of a deleted file may be used again.
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    read.iter().any(|read| identity(read).is_some_and(|read| read == file))
-}
-
-/// The same for all names of a regular file, also for links: device and number of the file. A number may be used again
-/// when a file is deleted, so it is not kept.
-#[cfg(unix)]
-fn identity(path: &Path) -> Option<(u64, u64)> {
-    use std::os::unix::fs::MetadataExt;
-    fs::metadata(path).ok().filter(fs::Metadata::is_file).map(|file| (file.dev(), file.ino()))
-}
-
-/// The same for all names of a regular file, except hard links.
-#[cfg(not(unix))]
-fn identity(path: &Path) -> Option<PathBuf> {
-    fs::canonicalize(path).ok().filter(|path| path.is_file())
+    read.iter().any(|read| is_same_file(read, path).unwrap_or(false))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

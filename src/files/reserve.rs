@@ -5,6 +5,8 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use same_file::Handle;
+
 use super::{CreatedFolders, create_folder, lock_writes, temporary_folder};
 use crate::error::Error;
 
@@ -18,7 +20,7 @@ pub struct ReservedFolder {
     path: PathBuf,
     made: Vec<PathBuf>,
     /// The system unlocks it at the end of the process, whatever ends it. So no lock can be left over.
-    _lock: Option<File>,
+    _lock: Option<Handle>,
 }
 
 impl ReservedFolder {
@@ -33,7 +35,7 @@ impl ReservedFolder {
             let lock = lock(path).map_err(Error::writing(path))?;
             temporary_folder(path).map_err(Error::writing(path))?;
             // Whoever reserved it before may have removed it meanwhile. Then this is the lock of a removed folder.
-            if lock.as_ref().is_none_or(|lock| is_at(lock, path)) {
+            if lock.as_ref().is_none_or(|lock| Handle::from_path(path).is_ok_and(|there| there == *lock)) {
                 let made = created.keep();
                 MADE.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&made);
                 return Ok(Self { path: path.to_owned(), made, _lock: lock });
@@ -59,27 +61,15 @@ pub(super) fn remove_empty_folders() {
 }
 
 /// Locks a folder. `None` where the system cannot lock one.
-fn lock(folder: &Path) -> io::Result<Option<File>> {
+fn lock(folder: &Path) -> io::Result<Option<Handle>> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
     match file.try_lock() {
-        Ok(()) => Ok(Some(file)),
+        Ok(()) => Handle::from_file(file).map(Some),
         Err(fs::TryLockError::WouldBlock) => {
             Err(io::Error::new(ErrorKind::ResourceBusy, "another study is writing to this folder"))
         }
         Err(fs::TryLockError::Error(_)) => Ok(None),
     }
-}
-
-#[cfg(unix)]
-fn is_at(folder: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let identity = |metadata: &fs::Metadata| (metadata.dev(), metadata.ino());
-    matches!((folder.metadata(), fs::metadata(path)), (Ok(a), Ok(b)) if identity(&a) == identity(&b))
-}
-
-#[cfg(not(unix))]
-fn is_at(_: &File, _: &Path) -> bool {
-    true
 }
 
 #[cfg(test)]

@@ -16,7 +16,6 @@ mod prepared;
 
 pub mod aabb;
 pub mod instance;
-mod plane;
 pub mod quadric;
 pub mod triangle;
 

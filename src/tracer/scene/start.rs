@@ -35,7 +35,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let transform = &placement.object_to_world;
         let (linear, translation) = (transform.matrix3.as_dmat3(), transform.translation.as_dvec3());
         let to_object = linear.inverse();
-        let (_, mut normal, ..) = self.exact_surface(ray, hit);
+        let mut normal = self.exact_surface(ray, hit).normal;
         if normal.dot(ray.dir.as_dvec3()) > 0.0 {
             normal = -normal;
         }
@@ -43,7 +43,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         // What the surface is made of: vertices, or the place of the quadric.
         let anchors = match geometry {
             Geometry::Mesh(mesh) => {
-                let vertices = mesh.triangle(hit.primitive - self.first_primitive(hit.instance)).vertices();
+                let vertices = mesh.triangle(self.primitive_of_mesh(hit)).vertices();
                 vertices.map(|vertex| linear * vertex.as_dvec3() + translation)
             }
             Geometry::Quadric(_) => [translation; 3],

@@ -30,6 +30,17 @@ pub struct SurfacePoint {
     pub color: Vec3,
 }
 
+/// The surface at a hit, before rounding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ExactSurface {
+    /// The point in the world.
+    pub(super) point: DVec3,
+    /// The unit normal in the world; see [`SurfacePoint::normal`].
+    pub(super) normal: DVec3,
+    /// The point in the object's coordinates.
+    pub(super) in_object: DVec3,
+}
+
 impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// The surface at a hit that this scene reported for this ray.
     ///
@@ -43,8 +54,13 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// # Panics
     /// If the hit is a miss, or if this scene has no such instance or triangle.
     pub fn surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> SurfacePoint {
-        let (point, normal, uv, own_color) = self.exact_surface(ray, hit);
-        let color = match &self.world().instances()[hit.instance as usize].paint {
+        let ExactSurface { point, normal, in_object } = self.exact_surface(ray, hit);
+        let placement = &self.world().instances()[hit.instance as usize];
+        let (uv, own_color) = match &self.world().geometries()[placement.geometry as usize] {
+            Geometry::Mesh(mesh) => (Vec2::new(hit.u, hit.v), mesh.color(self.primitive_of_mesh(hit))),
+            Geometry::Quadric(quadric) => (quadric_uv(quadric, in_object), Vec3::ONE),
+        };
+        let color = match &placement.paint {
             Paint::Own => own_color,
             Paint::Plain(color) => *color,
             Paint::Checker(checker) => checker.at(uv),
@@ -52,30 +68,32 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         SurfacePoint { point: point.as_vec3(), normal: normal.as_vec3(), uv, color }
     }
 
-    /// Point, normal, surface parameters and own colour at a hit, before rounding.
-    pub(super) fn exact_surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> (DVec3, DVec3, Vec2, Vec3) {
+    /// Point and normal at a hit, before rounding.
+    pub(super) fn exact_surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> ExactSurface {
         let placement = &self.world().instances()[hit.instance as usize];
         let (linear, translation) =
             (placement.object_to_world.matrix3.as_dmat3(), placement.object_to_world.translation.as_dvec3());
-        match &self.world().geometries()[placement.geometry as usize] {
+        let (point, normal, in_object) = match &self.world().geometries()[placement.geometry as usize] {
             Geometry::Mesh(mesh) => {
-                let primitive = hit.primitive - self.first_primitive(hit.instance);
-                let [v0, v1, v2] = mesh.triangle(primitive).vertices().map(Vec3::as_dvec3);
+                let [v0, v1, v2] = mesh.triangle(self.primitive_of_mesh(hit)).vertices().map(Vec3::as_dvec3);
                 let (e1, e2) = (v1 - v0, v2 - v0);
-                let point = linear * (v0 + e1 * f64::from(hit.u) + e2 * f64::from(hit.v)) + translation;
-                let normal = (linear * e1).cross(linear * e2);
-                (point, normalized(normal), Vec2::new(hit.u, hit.v), mesh.color(primitive))
+                let in_object = v0 + e1 * f64::from(hit.u) + e2 * f64::from(hit.v);
+                (linear * in_object + translation, (linear * e1).cross(linear * e2), in_object)
             }
             Geometry::Quadric(quadric) => {
                 let (origin, along) = (ray.origin.as_dvec3(), ray.dir.as_dvec3() * f64::from(hit.t));
-                let point = origin + along;
                 // The translation is subtracted first, as for the ray. So a position far from the world's origin costs
                 // no accuracy.
                 let in_object = linear.inverse() * ((origin - translation) + along);
-                let normal = cofactors(linear) * gradient(quadric, in_object);
-                (point, normalized(normal), quadric_uv(quadric, in_object), Vec3::ONE)
+                (origin + along, cofactors(linear) * gradient(quadric, in_object), in_object)
             }
-        }
+        };
+        ExactSurface { point, normal: normalized(normal), in_object }
+    }
+
+    /// The number of the triangle that was hit, in its mesh.
+    pub(super) fn primitive_of_mesh(&self, hit: &Hit<f32>) -> u32 {
+        hit.primitive - self.first_primitive(hit.instance)
     }
 }
 
