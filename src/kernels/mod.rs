@@ -16,6 +16,7 @@ mod prepared;
 
 pub mod aabb;
 pub mod instance;
+mod plane;
 pub mod quadric;
 pub mod triangle;
 

@@ -12,7 +12,6 @@ mod cramer;
 mod kensler_shirley;
 mod moller_trumbore;
 mod moller_trumbore_f64;
-mod plane;
 mod pluecker;
 mod woop;
 #[cfg(fused)]

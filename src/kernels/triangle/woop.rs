@@ -14,7 +14,7 @@
 //! that are zero are computed again, not all three. `t` is interpolated with the normalised weights and divided by
 //! the direction last. That saves two multiplications and keeps products in range. If there are vertices on both sides
 //! of the ray's start, the terms of this sum have different signs. Where they cancel, rounding would decide the sign.
-//! Then `t` is taken from the plane, with a sign that is always right (`plane`). In a packet every lane has
+//! Then `t` is taken from the plane, with a sign that is always right (`kernels::plane`). In a packet every lane has
 //! its own axes. That takes two selections per coordinate, or none where all eight lanes agree, as they do for one ray
 //! against eight triangles.
 //!
@@ -39,9 +39,10 @@
 //! `leaving`, which start 0 to 32 ulp off a triangle, none hit it. Before `t` came from the plane, a third of those
 //! 3 ulp off did.
 //!
-//! **Cost of the right sign:** in a tracer, 1.0 times the time of primary rays, and 1.05 to 1.1 times that of rays that
-//! start on surfaces. Two ways that cost more: comparing every hit with the farthest vertex (packets 1.09 to 1.12
-//! times), and with a prepared bound (40 bytes per triangle; a tracer's rays 1.1 to 1.5 times).
+//! **Cost of the right sign:** packets of the study take 1.1 times as long. In a tracer, it costs 1.0 times the time of
+//! primary rays, and 1.05 to 1.1 times that of rays that start on surfaces. Two ways that cost more: comparing every
+//! hit with the farthest vertex (packets 1.09 to 1.12 times), and a prepared bound (40 bytes per triangle; a tracer's
+//! rays 1.1 to 1.5 times).
 //!
 //! **Operations:** 19 multiplications, 22 additions, 1 division, 9 minima, maxima and comparisons. Setup: 3
 //! divisions. 36 bytes prepared.
@@ -49,13 +50,13 @@
 use glam::Vec3;
 use wide::f32x8;
 
-use super::plane::plane_t;
 use super::{Vertices, normal, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{
     Lanes, Mask8, Vec3x8, eq8, ge8, lt8, max, max8, sign_bit, sign_bit8, t_in_range, t_in_range8, to_f32x8, to_f64x8,
 };
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
+use crate::kernels::plane::plane_t;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
