@@ -100,6 +100,11 @@ pub fn printable_path(path: &Path) -> String {
     printable(&path.to_string_lossy())
 }
 
+/// Says how many things of a kind there are beside the one that is named.
+pub(crate) fn and_more(others: usize) -> String {
+    if others > 0 { format!(" (and {others} more)") } else { String::new() }
+}
+
 fn line_suffix(line: Option<usize>) -> String {
     line.map_or_else(String::new, |line| format!(":{line}"))
 }
@@ -154,11 +159,11 @@ fn is_shown(c: char) -> bool {
 }
 
 /// The system's message without its error number, which adds nothing.
-fn reason(error: &io::Error) -> String {
+pub(crate) fn reason(error: &dyn std::error::Error) -> String {
     let text = error.to_string();
-    match error.raw_os_error().and_then(|code| text.strip_suffix(&format!(" (os error {code})"))) {
-        Some(words) => words.to_owned(),
-        None => text,
+    match text.strip_suffix(')').and_then(|text| text.rsplit_once(" (os error ")) {
+        Some((words, number)) if number.parse::<i32>().is_ok() => words.to_owned(),
+        _ => text,
     }
 }
 

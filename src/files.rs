@@ -166,15 +166,8 @@ pub fn check_output(path: &Path) -> Result<(), Error> {
 
 /// Folders that were created. When dropped, it removes those that are still empty.
 #[cfg(feature = "study")]
+#[derive(Debug)]
 struct CreatedFolders(Vec<PathBuf>);
-
-#[cfg(feature = "study")]
-impl CreatedFolders {
-    /// The folders, which then stay.
-    fn keep(mut self) -> Vec<PathBuf> {
-        std::mem::take(&mut self.0)
-    }
-}
 
 #[cfg(feature = "study")]
 impl Drop for CreatedFolders {

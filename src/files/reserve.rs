@@ -18,7 +18,8 @@ static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 #[derive(Debug)]
 pub struct ReservedFolder {
     path: PathBuf,
-    made: Vec<PathBuf>,
+    /// Dropped before the lock.
+    _created: CreatedFolders,
     /// The system unlocks it at the end of the process, whatever ends it. So no lock can be left over.
     _lock: Option<Handle>,
 }
@@ -36,9 +37,8 @@ impl ReservedFolder {
             temporary_folder(path).map_err(Error::writing(path))?;
             // Whoever reserved it before may have removed it meanwhile. Then this is the lock of a removed folder.
             if lock.as_ref().is_none_or(|lock| Handle::from_path(path).is_ok_and(|there| there == *lock)) {
-                let made = created.keep();
-                MADE.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&made);
-                return Ok(Self { path: path.to_owned(), made, _lock: lock });
+                MADE.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&created.0);
+                return Ok(Self { path: path.to_owned(), _created: created, _lock: lock });
             }
         }
     }
@@ -46,12 +46,6 @@ impl ReservedFolder {
     /// The folder.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-}
-
-impl Drop for ReservedFolder {
-    fn drop(&mut self) {
-        drop(CreatedFolders(std::mem::take(&mut self.made)));
     }
 }
 

@@ -83,7 +83,8 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
     fn lane(packet: &Self::Packet, lane: usize) -> Self;
 
     /// The candidate of eight rays and the primitive in one lane of a packet. A kernel that calls a cold function may
-    /// do without a copy of the primitive in memory.
+    /// do without a copy of the primitive in memory. Handing that function the widened vertices instead made
+    /// occlusion rays take 1.03 to 1.22 times as long.
     #[inline(always)]
     fn candidate_in_lane(
         packet: &Self::Packet,
@@ -260,6 +261,6 @@ impl Claim {
 }
 
 /// The power of two at or below a positive normal number. All bits except those of the exponent are cleared.
-fn power_of_two_below(x: f64) -> f64 {
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }

@@ -1,7 +1,5 @@
 //! What happens when the program is interrupted, or when the system refuses to go on.
 
-use std::thread;
-
 use raylanes::study::Progress;
 use raylanes::tracer::{self, Error, printable_path};
 
@@ -37,7 +35,7 @@ pub(super) fn exit_when_interrupted(progress: &Progress) -> Result<(), Error> {
         let mut signals = signal_hook::iterator::Signals::new(unix::other_signals(handles_all)).map_err(refused)?;
         let progress = progress.clone();
         let wait = move || signals.forever().for_each(|_| exit(&progress));
-        thread::Builder::new().spawn(wait).map_err(refused)?;
+        std::thread::Builder::new().spawn(wait).map_err(refused)?;
     }
     #[cfg(not(unix))]
     let _ = handles_all;

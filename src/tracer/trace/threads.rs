@@ -5,7 +5,7 @@ use std::thread::available_parallelism;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::error::Error;
+use crate::error::{Error, reason};
 
 /// Largest number of threads. Far more than that only exhaust the system.
 const MAX_THREADS: usize = 1024;
@@ -34,10 +34,7 @@ pub fn start_global_pool() -> Result<(), Error> {
 
 /// The error if the system does not grant `threads` threads.
 pub(crate) fn refused(threads: usize, error: &dyn std::error::Error) -> Error {
-    // Without the error number, which adds nothing.
-    let reason = error.to_string();
-    let reason = reason.split(" (os error ").next().unwrap_or_default();
-    Error::Argument { argument: format!("{threads} threads"), message: format!("cannot be started: {reason}") }
+    Error::Argument { argument: format!("{threads} threads"), message: format!("cannot be started: {}", reason(error)) }
 }
 
 fn number(threads: usize) -> Result<usize, Error> {

@@ -13,7 +13,7 @@ use super::number::Color;
 use super::quadric::QuadricTable;
 use super::scatter::{self, Ground, Variation};
 use super::transform::{compose2, compose3};
-use crate::error::{Error, printable, quoted};
+use crate::error::{Error, and_more, printable, quoted};
 use crate::tracer::load::loaded::{has_extension, load_mesh, obj_remarks};
 use crate::tracer::memory::check_memory;
 use crate::tracer::meshes::generator::{DEFAULT_SIZE, Generator, MAX_SIZE};
@@ -203,11 +203,7 @@ impl<'a> WorldBuilder<'a> {
         }
         let mut never_placed = self.names.iter().zip(is_placed).filter(|(_, is_placed)| !is_placed);
         if let Some((first, _)) = never_placed.next() {
-            let more = match never_placed.count() {
-                0 => String::new(),
-                count => format!(" (and {count} more)"),
-            };
-            self.remarks.push(format!("never placed: {}{more}", quoted_name(first)));
+            self.remarks.push(format!("never placed: {}{}", quoted_name(first), and_more(never_placed.count())));
         }
         let world = World::new(self.geometries, self.placements)
             .map_err(|error| SceneError::Other(Error::in_file(self.path, error.to_string())))?;

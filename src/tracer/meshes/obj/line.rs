@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::error::{Error, quoted};
+use crate::error::{Error, and_more, quoted};
 
 /// A line, together with the lines that a backslash joins to it.
 pub(super) struct Line<'a> {
@@ -95,7 +95,6 @@ impl LineCount {
     /// The warning, or `None` if no line was counted.
     pub(super) fn warning(&self, file: &Path, message: &str) -> Option<String> {
         let (line, text) = self.first.as_ref()?;
-        let more = if self.count > 1 { format!(" (and {} more)", self.count - 1) } else { String::new() };
-        Some(Error::in_line(file, *line, format!("{message}: {text}{more}")).to_string())
+        Some(Error::in_line(file, *line, format!("{message}: {text}{}", and_more(self.count - 1))).to_string())
     }
 }

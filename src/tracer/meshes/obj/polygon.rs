@@ -21,6 +21,9 @@ use spade::{
     Point2, Triangulation,
 };
 
+use crate::kernels::power_of_two_below;
+use crate::tracer::meshes::generator::hash;
+
 /// A polygon is flat if its corners lie between two planes. This is the largest distance of the planes, relative to
 /// the distance from the first corner to the farthest. Rounded coordinates stay far below it.
 const MAX_THICKNESS: f64 = 0.01;
@@ -71,9 +74,7 @@ fn has_area(triangles: &[[usize; 3]], spokes: &[DVec3], newell: DVec3) -> bool {
 fn spokes(corners: &[Vec3]) -> Vec<DVec3> {
     let first = corners[0].as_dvec3();
     let extent = corners.iter().map(|corner| (corner.as_dvec3() - first).abs().max_element()).fold(0.0, f64::max);
-    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
-    let unit = f64::from_bits(extent.to_bits() & EXPONENT);
-    let unit = if unit > 0.0 { unit } else { 1.0 };
+    let unit = if extent > 0.0 { power_of_two_below(extent) } else { 1.0 };
     corners.iter().map(|corner| (corner.as_dvec3() - first) / unit).collect()
 }
 
@@ -108,14 +109,6 @@ fn fan_covers_once(spokes: &[DVec3], normal: DVec3) -> bool {
     })
 }
 
-/// A number without visible order, different for each argument (the finalizer of `SplitMix64`).
-fn shuffled(number: u64) -> u64 {
-    let mut z = number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
 /// With a hierarchy, the place of a corner is found in logarithmic time.
 type Delaunay = ConstrainedDelaunayTriangulation<Corner, (), (), (), HierarchyHintGenerator<f64>>;
 
@@ -145,7 +138,7 @@ fn delaunay(polygon: &[DVec3], normal: DVec3) -> Option<Vec<[usize; 3]>> {
     // Corners and edges in the order of the outline would take quadratic time on some polygons, and so do the bulk
     // loads of spade. The order must not differ from run to run, since it decides between equal diagonals.
     let mut order: Vec<_> = (0..polygon.len()).collect();
-    order.sort_unstable_by_key(|&number| shuffled(number as u64));
+    order.sort_unstable_by_key(|&number| hash(number as u32, 0, 0));
     let mut mesh = Delaunay::new();
     // Corners at the same place share a vertex.
     let mut places = HashMap::new();
