@@ -12,11 +12,12 @@ use crate::kernels::aabb::Fused;
 use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
 use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
 use crate::kernels::quadric::{Mixed, Naive, QuadricF64, Stable};
-#[cfg(fused)]
-use crate::kernels::triangle::WoopDop;
 use crate::kernels::triangle::{
-    BaldwinWeber, Cramer, KenslerShirley, MollerTrumbore, MollerTrumboreF64, Pluecker, Woop, WoopHalfOpen,
+    BaldwinWeber, Cramer, Exact, ExactHalfOpen, ExactT, KenslerShirley, MollerTrumbore, MollerTrumboreF64, Pluecker,
+    Woop, WoopHalfOpen,
 };
+#[cfg(fused)]
+use crate::kernels::triangle::{ExactFused, WoopDop};
 use crate::kernels::{Kernel, Shape};
 
 /// Something that is done with every kernel for shapes of type `S`.
@@ -47,6 +48,11 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
     #[cfg(fused)]
     visitor.visit::<WoopDop<f32>>();
     visitor.visit::<MollerTrumboreF64<f32>>();
+    visitor.visit::<Exact<f32>>();
+    visitor.visit::<ExactHalfOpen<f32>>();
+    visitor.visit::<ExactT<f32>>();
+    #[cfg(fused)]
+    visitor.visit::<ExactFused<f32>>();
 }
 
 /// The tests for surfaces of second degree. Each of them can drive the tracer.
@@ -151,8 +157,11 @@ pub struct Absent {
 /// The kernels that this build does not have, each with the reason.
 pub fn absent() -> &'static [Absent] {
     const REASON: &str = "needs fused multiply-add, which this build does not have (target features avx, fma)";
-    const FUSED: [Absent; 2] =
-        [Absent { id: "triangle/woop_dop", reason: REASON }, Absent { id: "aabb/fused", reason: REASON }];
+    const FUSED: [Absent; 3] = [
+        Absent { id: "triangle/woop_dop", reason: REASON },
+        Absent { id: "triangle/exact_fused", reason: REASON },
+        Absent { id: "aabb/fused", reason: REASON },
+    ];
     if cfg!(fused) { &[] } else { &FUSED }
 }
 

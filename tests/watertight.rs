@@ -1,11 +1,16 @@
-//! Tests the claims of triangle kernels with rays that exactly meet edges and vertices of meshes, and with rays that
-//! leave a triangle. There is one test per kernel.
+//! Tests the claims of triangle kernels with rays that exactly meet edges and vertices of meshes, with rays that leave
+//! a triangle, and with rays that pass close to edges. There is one test per kernel.
 //!
 //! A claim must hold for every ray. If a kernel does not make a claim, at least one ray must break it.
 //!
 //! The meshes in `meshes` are random fans, lattices, split triangles and stars of 8 to 65,536 triangles. Vulkan's
-//! conformance suite does such a test on graphics hardware. `small_grid` adds all edges and fans on a small grid.
+//! conformance suite does such a test on graphics hardware. `small_grid` adds all edges and fans on a small grid,
+//! `crossings` all closed meshes of four triangles there. `decisions` compares with the oracle, beside edges.
+//!
+//! `RAYLANES_ROUNDS=100 cargo test --release --test watertight` compares 100 times as many decisions.
 
+mod crossings;
+mod decisions;
 mod harness;
 mod meshes;
 mod random;
@@ -27,7 +32,14 @@ use wide::f32x8;
 
 use meshes::{Mesh, Shot, Target};
 
-const CLAIMS: [Claim; 4] = [Claim::EdgeWatertight, Claim::VertexWatertight, Claim::SingleHit, Claim::NoHitBehind];
+const CLAIMS: [Claim; 6] = [
+    Claim::EdgeWatertight,
+    Claim::VertexWatertight,
+    Claim::SingleHit,
+    Claim::EvenCrossings,
+    Claim::NoHitBehind,
+    Claim::RightDecision,
+];
 
 /// The rays that a claim is about, and how many of them break it.
 #[derive(Default)]
@@ -58,7 +70,7 @@ impl Count {
 
 /// One count for each of [`CLAIMS`].
 #[derive(Default)]
-struct Counts([Count; 4]);
+struct Counts([Count; 6]);
 
 impl Counts {
     fn of(&mut self, claim: Claim) -> &mut Count {
@@ -66,9 +78,8 @@ impl Counts {
     }
 
     fn plus(self, later: Self) -> Self {
-        let [a, b, c, d] = self.0;
-        let [e, f, g, h] = later.0;
-        Self([a.plus(e), b.plus(f), c.plus(g), d.plus(h)])
+        let mut later = later.0.into_iter();
+        Self(self.0.map(|count| count.plus(later.next().expect("as many counts"))))
     }
 }
 
@@ -106,14 +117,15 @@ fn main() -> ExitCode {
     let mut tests = Tests { inputs: Arc::new(LazyLock::new(inputs)), trials: Vec::new() };
     registry::triangles(&mut tests);
     tests.trials.push(harness::test("rays_of_the_small_grid_meet_their_targets_exactly", small_grid::confirm));
+    tests.trials.push(harness::test("distances_of_exact_t_are_right_to_4096_ulp", decisions::confirm_distances));
     harness::run(vec![tests.trials], registry::triangles)
 }
 
 /// Checks that every ray keeps the claims of the kernel, and that some ray breaks each claim that it does not make.
 /// Returns how many rays break each claim.
 fn hold_to_claims<K: Kernel<Shape = Triangle>>(inputs: &Inputs) -> Result<String, String> {
-    let on_meshes = on_meshes::<K>(&inputs.meshes).plus(on_leaving::<K>(&inputs.leaving));
-    let on_small_grid = small_grid::all::<K>();
+    let on_meshes = on_meshes::<K>(&inputs.meshes).plus(on_leaving::<K>(&inputs.leaving)).plus(decisions::all::<K>());
+    let on_small_grid = small_grid::all::<K>().plus(crossings::all::<K>());
     let summary = format!("{}: broken on meshes: {on_meshes}; on the small grid: {on_small_grid}", K::INFO.id);
     let mut failures = Vec::new();
     for (claim, Count { rays, broken, example }) in CLAIMS.into_iter().zip(on_meshes.plus(on_small_grid).0) {
@@ -189,7 +201,9 @@ fn on_leaving<K: Kernel<Shape = Triangle>>(samples: &[(Triangle, Vec<Ray<f32>>)]
             let mask = prepared.closest_hit(&packet, &<K as Intersect<f32x8>>::setup(&packet)).mask.bits();
             for (lane, ray) in rays.iter().enumerate() {
                 let broken = mask >> lane & 1;
-                counts.of(Claim::NoHitBehind).add(1, broken.into(), || describe(ray, &[(0, *triangle, true)]));
+                for claim in [Claim::NoHitBehind, Claim::RightDecision] {
+                    counts.of(claim).add(1, broken.into(), || describe(ray, &[(0, *triangle, true)]));
+                }
             }
         }
     }

@@ -31,9 +31,10 @@ impl Ray<f32> {
         Self { origin, dir, t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// A ray that misses everything: it fills the unused lanes of a partial packet.
+    /// A ray that misses everything: it fills the unused lanes of a partial packet. It has a direction, because kernels
+    /// may take a slow way for rays without one.
     pub const INACTIVE: Self =
-        Self { origin: Vec3::ZERO, dir: Vec3::ZERO, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY };
+        Self { origin: Vec3::ZERO, dir: Vec3::Z, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY };
 
     /// The point at parameter `t`.
     #[inline]

@@ -16,9 +16,9 @@ mod prepared;
 
 pub mod aabb;
 pub mod instance;
-mod plane;
 pub mod quadric;
 pub mod triangle;
+mod volume;
 
 use wide::f32x8;
 
@@ -224,11 +224,15 @@ pub enum Claim {
     VertexWatertight,
     /// A ray through a mesh hits exactly one of its triangles, even exactly at an edge or a vertex.
     SingleHit,
+    /// The line of a ray crosses a closed mesh an even number of times: also through edges and vertices, and also where
+    /// the triangles around them do not all face the ray in the same way.
+    EvenCrossings,
     /// A ray whose interval starts at 0 never hits a triangle that it passes only behind its start, however close.
     NoHitBehind,
     /// A box: never misses where the exact answer is a hit.
     Conservative,
-    /// A quadric: always right about hitting, except where the exact answer depends on an equality.
+    /// A triangle or a quadric: always right about hitting, for an interval that starts at 0 or does not
+    /// start, except where the exact answer depends on an equality.
     RightDecision,
     /// A quadric: `t` of every true hit is right to 1 %.
     NoGrossError,
@@ -236,10 +240,11 @@ pub enum Claim {
 
 impl Claim {
     /// Every claim.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::EdgeWatertight,
         Self::VertexWatertight,
         Self::SingleHit,
+        Self::EvenCrossings,
         Self::NoHitBehind,
         Self::Conservative,
         Self::RightDecision,
@@ -252,6 +257,7 @@ impl Claim {
             Self::EdgeWatertight => "edge-watertight",
             Self::VertexWatertight => "vertex-watertight",
             Self::SingleHit => "single-hit",
+            Self::EvenCrossings => "even-crossings",
             Self::NoHitBehind => "no-hit-behind",
             Self::Conservative => "conservative",
             Self::RightDecision => "right-decision",

@@ -15,14 +15,14 @@ use crate::meshes::{Int3, cross, dot, exactly, is_aimed, minus, plus};
 use crate::{Counts, describe};
 
 /// The planes of the grid along each axis, and the `t` at which a ray meets its target.
-struct Grid {
+pub(crate) struct Grid {
     planes: [[i64; 3]; 3],
-    distance: i64,
+    pub(crate) distance: i64,
 }
 
 /// A grid of small numbers, whose products `f32` holds exactly, and one whose products are rounded. All numbers are
 /// multiples of four: quarters of edges are then whole numbers too.
-const GRIDS: [Grid; 2] = [
+pub(crate) const GRIDS: [Grid; 2] = [
     Grid { planes: [[0, 4, 8]; 3], distance: 2 },
     Grid {
         planes: [[-7_654_324, 1_357_908, 8_111_116], [-3_999_996, 246_812, 4_765_432], [-5_432_108, -9_876, 6_420_244]],
@@ -38,7 +38,7 @@ impl Grid {
         [self.planes[0][x], self.planes[1][y], self.planes[2][z]]
     }
 
-    fn points(&self) -> Vec<Int3> {
+    pub(crate) fn points(&self) -> Vec<Int3> {
         (0..27).map(|index| self.point([index % 3, index / 3 % 3, index / 9])).collect()
     }
 
@@ -50,12 +50,12 @@ impl Grid {
 }
 
 /// All directions with whole coordinates from -3 to 3. Multiples of another one are left out.
-fn directions() -> Vec<Int3> {
+pub(crate) fn directions() -> Vec<Int3> {
     let all = (0..343).map(|index| [index % 7 - 3, index / 7 % 7 - 3, index / 49 - 3]);
     all.filter(|d| ![2, 3].iter().any(|factor| d.iter().all(|x| x % factor == 0))).collect()
 }
 
-fn triangle(corners: [Int3; 3]) -> Triangle {
+pub(crate) fn triangle(corners: [Int3; 3]) -> Triangle {
     let [v0, v1, v2] = corners.map(exactly);
     Triangle { v0, v1, v2 }
 }

@@ -9,6 +9,11 @@
 
 mod baldwin_weber;
 mod cramer;
+mod exact;
+#[cfg(fused)]
+mod exact_fused;
+mod exact_half_open;
+mod exact_t;
 mod kensler_shirley;
 mod moller_trumbore;
 mod moller_trumbore_f64;
@@ -20,6 +25,11 @@ mod woop_half_open;
 
 pub use baldwin_weber::BaldwinWeber;
 pub use cramer::Cramer;
+pub use exact::Exact;
+#[cfg(fused)]
+pub use exact_fused::ExactFused;
+pub use exact_half_open::ExactHalfOpen;
+pub use exact_t::ExactT;
 pub use kensler_shirley::KenslerShirley;
 pub use moller_trumbore::MollerTrumbore;
 pub use moller_trumbore_f64::MollerTrumboreF64;

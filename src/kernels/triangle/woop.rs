@@ -14,7 +14,7 @@
 //! that are zero are computed again, not all three. `t` is interpolated with the normalised weights and divided by
 //! the direction last. That saves two multiplications and keeps products in range. If there are vertices on both sides
 //! of the ray's start, the terms of this sum have different signs. Where they cancel, rounding would decide the sign.
-//! Then `t` is taken from the plane, with a sign that is always right (`kernels::plane`). In a packet every lane has
+//! Then `t` is taken from the plane, with a sign that is always right (`kernels::volume`). In a packet every lane has
 //! its own axes. That takes two selections per coordinate, or none where all eight lanes agree, as they do for one ray
 //! against eight triangles.
 //!
@@ -56,7 +56,7 @@ use crate::geom::lanes::{
 };
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
-use crate::kernels::plane::plane_t;
+use crate::kernels::volume::plane_t;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 prepared! {

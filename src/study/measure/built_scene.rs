@@ -4,13 +4,13 @@ use std::time::Instant;
 
 use super::ray_sets::{RaySet, ray_sets};
 use crate::kernels::Kernel;
-use crate::kernels::triangle::Woop;
+use crate::kernels::triangle::Exact;
 use crate::study::progress::Progress;
 use crate::tracer::{Error, LoadedScene, Scene, SceneSource};
 
-/// The triangle kernel that the tracer is measured with, and its default. It is watertight: a kernel that leaks would
-/// be no fair base for comparing tracers.
-pub type TracerKernel = Woop<f32>;
+/// The triangle kernel that the tracer is measured with, and its default. It is never wrong: a kernel that
+/// leaks would be no fair base for comparing tracers.
+pub type TracerKernel = Exact<f32>;
 
 /// A scene that is ready to be timed, and the rays of a picture of it.
 #[derive(Debug)]

@@ -1,13 +1,13 @@
-//! Where a ray meets the plane of a triangle, with a sign that is always right.
+//! Signed volumes with signs that are always right, and where a ray meets the plane of a triangle.
 //!
 //! **Source:** J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates",
 //! 1997. T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971.
 //!
-//! **Idea:** `t` is a quotient of two products with the normal. Both are computed in `f64`. Where the error bound does
-//! not tell the sign, the product is computed again as an exact sum. `f64` holds each of its terms exactly.
+//! **Idea:** a volume is computed in `f64`. Where the error bound does not tell enough about it, it is computed again
+//! as an exact sum. `f64` holds each of its terms exactly.
 //!
-//! Both twins call this function lane by lane, so they agree. It is for the few lanes in which `f32` does not tell the
-//! sign of `t`.
+//! Both twins call these functions lane by lane, so they agree. They are for the few lanes in which `f32` does not tell
+//! a sign.
 
 use glam::{DVec3, Vec3};
 
@@ -19,33 +19,36 @@ use glam::{DVec3, Vec3};
 pub(super) fn plane_t(vertices: [Vec3; 3], origin: Vec3, dir: Vec3) -> f32 {
     let vertices = vertices.map(Vec3::as_dvec3);
     let (origin, dir, [v0, ..]) = (origin.as_dvec3(), dir.as_dvec3(), vertices);
-    let num = along_normal(&vertices, v0 - origin, &[v0, -origin]);
-    let den = along_normal(&vertices, dir, &[dir]);
+    let num = volume(&vertices, v0 - origin, &[v0, -origin]);
+    let den = volume(&vertices, dir, &[dir]);
     let t = num / den;
     // A small negative t must not become a zero. A zero has no sign.
     if (t < 0.0) & (t as f32 == 0.0) { -f32::from_bits(1) } else { (t + 0.0) as f32 }
 }
 
-/// `((v1 - v0) × (v2 - v0)) · v` with the right sign. `v` is the rounded sum of `exact`.
+/// `((p1 - p0) × (p2 - p0)) · v` with the right sign and a relative error of at most 2⁻²⁰. All components of the points
+/// must be `f32` numbers, and so must those of `exact`. `v` is the rounded sum of `exact`.
 #[inline(always)]
-fn along_normal(vertices: &[DVec3; 3], v: DVec3, exact: &[DVec3]) -> f64 {
+pub(super) fn volume(points: &[DVec3; 3], v: DVec3, exact: &[DVec3]) -> f64 {
     // Each of at most 8 roundings changes a product by 2⁻⁵³. Twice that also covers the rounding of the bound.
     const BOUND: f64 = 8.0 * f64::EPSILON;
-    let [v0, v1, v2] = *vertices;
-    let (e1, e2) = (v1 - v0, v2 - v0);
+    const RELATIVE: f64 = 1.0 / (1 << 20) as f64;
+    let [p0, p1, p2] = *points;
+    let (e1, e2) = (p1 - p0, p2 - p0);
     let value = e1.cross(e2).dot(v);
     let (a, b, c) = (e1.abs(), e2.abs(), v.abs());
     let products = (a.y * b.z + a.z * b.y) * c.x + (a.z * b.x + a.x * b.z) * c.y + (a.x * b.y + a.y * b.x) * c.z;
-    if value.abs() > BOUND * products { value } else { exactly_along_normal(vertices, exact) }
+    // Without products, the volume is exactly zero.
+    if (value.abs() > BOUND / RELATIVE * products) | (products == 0.0) { value } else { exact_volume(points, exact) }
 }
 
-/// [`along_normal`], rounded once. The normal is `v0 × v1 + v1 × v2 + v2 × v0`.
+/// [`volume`], rounded once. The normal is `p0 × p1 + p1 × p2 + p2 × p0`.
 #[cold]
 #[inline(never)]
-fn exactly_along_normal(&[v0, v1, v2]: &[DVec3; 3], exact: &[DVec3]) -> f64 {
-    let mut sum = ExactSum::ZERO;
+fn exact_volume(&[p0, p1, p2]: &[DVec3; 3], exact: &[DVec3]) -> f64 {
+    let mut sum = ExactSum::<{ 2 * 2 * 18 }>::ZERO;
     for v in exact {
-        for (p, q) in [(v0, v1), (v1, v2), (v2, v0)] {
+        for (p, q) in [(p0, p1), (p1, p2), (p2, p0)] {
             sum.add_products(p.y, q.z, v.x);
             sum.add_products(-p.z, q.y, v.x);
             sum.add_products(p.z, q.x, v.y);
@@ -57,18 +60,16 @@ fn exactly_along_normal(&[v0, v1, v2]: &[DVec3; 3], exact: &[DVec3]) -> f64 {
     sum.rounded()
 }
 
-/// A sum without rounding errors: numbers that do not overlap, from the smallest to the largest.
-struct ExactSum {
-    parts: [f64; Self::MOST],
+/// A sum of at most `N` terms without rounding errors: numbers that do not overlap, from the smallest to the largest.
+pub(super) struct ExactSum<const N: usize> {
+    parts: [f64; N],
     len: usize,
 }
 
-impl ExactSum {
-    /// Terms of [`exactly_along_normal`]: two for each product of three numbers.
-    const MOST: usize = 2 * 2 * 18;
-    const ZERO: Self = Self { parts: [0.0; Self::MOST], len: 0 };
+impl<const N: usize> ExactSum<N> {
+    pub(super) const ZERO: Self = Self { parts: [0.0; N], len: 0 };
 
-    fn add(&mut self, term: f64) {
+    pub(super) fn add(&mut self, term: f64) {
         let (mut sum, mut kept) = (term, 0);
         for index in 0..self.len {
             let part = self.parts[index];
@@ -101,7 +102,7 @@ impl ExactSum {
     }
 
     /// The largest part decides the sign.
-    fn rounded(&self) -> f64 {
+    pub(super) fn rounded(&self) -> f64 {
         self.parts[..self.len].iter().sum()
     }
 }
@@ -143,7 +144,7 @@ mod tests {
         let origin = Vec3::new(136_534.0, 158_240.0, 182_961.0);
         let [v0, v1, v2, o] = [Vec3::ZERO, e1, e2, origin].map(Vec3::as_dvec3);
         assert_ne!(v1.cross(v2).dot(o), 1.0);
-        assert_eq!(exactly_along_normal(&[v0, v1, v2], &[v0, -o]), -1.0);
+        assert_eq!(exact_volume(&[v0, v1, v2], &[v0, -o]), -1.0);
         assert!(plane_t([Vec3::ZERO, e1, e2], origin, Vec3::new(-1.0, -1.0, 1.0)) < 0.0);
     }
 
