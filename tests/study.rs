@@ -11,7 +11,7 @@ use raylanes::study::coherence::JITTERS;
 use raylanes::study::ray_sets;
 use raylanes::study::record::{AccuracyRow, ClaimRow, CoherenceRow, Record};
 use raylanes::study::workload::{Regime, Subject, Workload};
-use raylanes::study::{self, Options, Progress};
+use raylanes::study::{self, Options, Progress, TracerKernel};
 use raylanes::tracer::{Mode, SceneSource};
 
 #[derive(Default)]
@@ -128,7 +128,7 @@ fn summary_is_consistent(record: &Record, id: &str) {
 fn tracer_is_measured(record: &Record) {
     // Four sets of rays, four modes, one and two threads.
     assert_eq!(record.tracer.len(), 32);
-    assert!(record.tracer.iter().all(|row| row.kernel == "triangle/woop" && row.mrays_per_second > 0.0));
+    assert!(record.tracer.iter().all(|row| row.kernel == TracerKernel::INFO.id.method && row.mrays_per_second > 0.0));
     let sums = |sum: fn(&CoherenceRow) -> &str, scene: &str, jitter: f64| {
         let rows = record.coherence.iter().filter(|row| row.scene == scene && row.jitter == jitter);
         rows.map(|row| sum(row).to_owned()).collect::<Vec<_>>()

@@ -210,17 +210,17 @@ fn a_hit_file_holds_the_hits_in_the_order_of_the_ray_file() {
 }
 
 #[test]
-fn the_default_is_a_watertight_kernel_and_mode_auto() {
+fn the_default_is_an_exact_kernel_and_mode_auto() {
     let traced = |arguments: &[&str]| -> serde_json::Value {
         let common = ["trace", "sphere:small", "--size", "32x32", "--repeat", "1", "--json"];
         serde_json::from_str(&succeeds(&[&common, arguments].concat())).unwrap()
     };
     let result = traced(&[]);
-    assert_eq!((&result["kernel"], &result["mode"]), (&"triangle/woop".into(), &"auto".into()));
-    assert_eq!(result["checksum"], traced(&["--kernel", "triangle/woop", "--mode", "scalar"])["checksum"]);
+    assert_eq!((&result["kernel"], &result["mode"]), (&"triangle/exact".into(), &"auto".into()));
+    assert_eq!(result["checksum"], traced(&["--kernel", "triangle/exact", "--mode", "scalar"])["checksum"]);
     // The text has the same facts as JSON.
     let text = succeeds(&["trace", "sphere:small", "--size", "32x32", "--repeat", "1"]);
-    for word in ["built in", "MB", "kernel triangle/woop, mode auto"] {
+    for word in ["built in", "MB", "kernel triangle/exact, mode auto"] {
         assert!(text.contains(word), "{text}");
     }
 }
