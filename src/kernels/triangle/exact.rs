@@ -220,7 +220,7 @@ impl Exact<f32> {
             return Self::MISSES;
         }
         let far = [v0, v1, v2].map(|v| v.abs().max_element()).into_iter().fold(0.0, f64::max);
-        let fits = (size >= 1.0 / LARGEST) & (size <= LARGEST) & (far <= LONGEST_RAY.into());
+        let fits = (1.0 / LARGEST..=LARGEST).contains(&size) && far <= LONGEST_RAY.into();
         let scaled = |v: DVec3| (v / size).as_vec3();
         // The last term covers the roundings of a normal that is short, because the triangle is a sliver.
         let near = 9.0 / T_ERROR * f64::from(EPSILON) * (n.abs().max_element() / size + f64::from(EPSILON) * size);
@@ -366,7 +366,7 @@ impl Rule for Closed {
 #[cold]
 #[inline(never)]
 fn decide<R: Rule>(vertices: [Vec3; 3], ray: &Ray<f32>) -> Hit<f32> {
-    if !ray.is_valid() | !(ray.t_min <= ray.t_max) {
+    if !ray.is_valid() || ray.t_min > ray.t_max {
         return Hit::MISS;
     }
     // Compute the weights: the volumes between the ray and the three edges.
