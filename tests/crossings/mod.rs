@@ -35,7 +35,7 @@ fn on_grid<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
     let hits = |a: usize, b: usize, c: usize| {
         let mut corners = [points[a], points[b], points[c]];
         corners.rotate_left((a + b + c) % 3);
-        if (a + b) % 2 == 0 {
+        if (a + b).is_multiple_of(2) {
             corners.swap(0, 1);
         }
         let primitive = K::prepare(&triangle(corners));
