@@ -4,7 +4,6 @@
 //! The answer of a kernel for one triangle does not depend on its neighbours. So each triangle is tested once, against
 //! all lines. A tetrahedron is crossed an even number of times if the sets of lines that hit its four faces cancel.
 
-use glam::Vec3;
 use raylanes::geom::{Ray, Triangle};
 use raylanes::kernels::{Claim, Intersect, Kernel};
 use rayon::prelude::*;
@@ -58,9 +57,8 @@ fn on_grid<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
                 let packet = (0..packets.len()).find(|packet| odd(*packet) != 0).expect("there is one");
                 let lane = odd(packet).trailing_zeros() as usize;
                 let face = |index: usize| {
-                    let corners = faces[index].map(|point| exactly(points[point]));
-                    let [v0, v1, v2]: [Vec3; 3] = corners;
-                    (index as u32, Triangle { v0, v1, v2 }, sets[number(faces[index])][packet] >> lane & 1 == 1)
+                    let corners = faces[index].map(|point| points[point]);
+                    (index as u32, triangle(corners), sets[number(faces[index])][packet] >> lane & 1 == 1)
                 };
                 describe(&lines[8 * packet + lane], &[0, 1, 2, 3].map(face))
             });

@@ -30,7 +30,7 @@
 //! **The distance.** `t = T/D` with `T = n·c`. By the same count `T` is off by at most `5ε|n|∞|c|₁`, and `D` by at most
 //! `4ε|n|∞|d|₁`. At a hit, `|t||d|₁ <= |c|₁ + S`. So `t` is off by at most `9ε|n|∞(|c|₁ + S)/|D̂|`, and by two
 //! roundings. At every angle, the point `origin + t·dir` is at most `9ε(|c|₁ + S)` off the plane. Where this bound on
-//! the error of `t` is not below `|t|/16`, `t` is computed again, rounded once, and has the right sign. That happens to
+//! the error of `t` is not below `|t|/16`, `t` is computed again in `f64`, and has the right sign. That happens to
 //! rays that start on the triangle or run nearly in its plane.
 //!
 //! **Range:** `|d|∞` from 2⁻⁴⁰, `|d|∞ + |origin|₁` to 2⁴⁰, vertices to 2⁴⁰, `S` from 2⁻³⁰ to 2³⁰. There no product

@@ -4,8 +4,8 @@
 //!
 //! **Idea:** `triangle/exact` bounds the error of `t`, and computes `t` again where its sign is not sure. Here the `t`
 //! of every hit is computed again whose bound is above `t/4096`. So it is right to 4,096 ulp. The bound is pessimistic:
-//! most are right to a few ulp. What is computed again is rounded once. Rays that hit at a grazing angle pay, and rays
-//! that start very close to what they hit. A ray that leaves a triangle does not hit it, and does not pay.
+//! most are right to a few ulp. What is computed again is right to 32 ulp. Rays that hit at a grazing angle pay, and
+//! rays that start very close to what they hit. A ray that leaves a triangle does not hit it, and does not pay.
 //!
 //! **Edges, range, degenerate input:** as `triangle/exact`.
 //!
