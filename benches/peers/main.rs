@@ -19,7 +19,7 @@ use raylanes::registry::{self, Task};
 use raylanes::study::peers::{self, Contender, EMBREE, OURS};
 use raylanes::study::ray_sets::ray_sets;
 use raylanes::study::record::{PeerRow, PeersRecord, SCHEMA};
-use raylanes::study::{build_warning, make_folder};
+use raylanes::study::{TracerKernel, build_warning, make_folder};
 use raylanes::tracer::{Error, LoadedScene, Mesh, Scene, SceneSource, View, parse_point};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -38,7 +38,7 @@ struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
     /// Triangle kernel of raylanes, by ID or name.
-    #[arg(long, value_name = "ID", default_value = "triangle/woop")]
+    #[arg(long, value_name = "ID", default_value = <TracerKernel as Kernel>::INFO.id.method)]
     kernel: String,
     /// Run only configurations whose name contains one of these, and raylanes in mode scalar.
     #[arg(long, value_name = "TEXT")]

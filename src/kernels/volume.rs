@@ -70,6 +70,10 @@ impl<const N: usize> ExactSum<N> {
     pub(super) const ZERO: Self = Self { parts: [0.0; N], len: 0 };
 
     pub(super) fn add(&mut self, term: f64) {
+        // Half of the terms of small whole numbers are zero, and most exact ties are between such.
+        if term == 0.0 {
+            return;
+        }
         let (mut sum, mut kept) = (term, 0);
         for index in 0..self.len {
             let part = self.parts[index];

@@ -10,32 +10,33 @@
 //! exact sum (`kernels::volume`). So every ray is decided as if nothing were ever rounded. In packets, all of this
 //! happens behind one branch that is almost never taken.
 //!
-//! **The bound.** Let `ε = 2⁻²⁴`. `|x|₁` is the sum of the components' sizes and `|x|∞` the largest of them. Edges and
-//! normal are divided by `S`, the 1-norm of the longer of the two prepared edges. So `|e|₁ <= 1` and `|n|₁ <= S`. Let
-//! `c = v0 - origin`, `a = (c × d)·e2`, `b = (c × d)·e1` and `D = n·d`. `^` marks computed numbers. The ray is inside
-//! exactly if `a/D`, `b/D` and `(D - a - b)/D` are not negative. Let `E = |c|₁·|d|∞` and `F = S·|d|∞`.
+//! **The bound.** Let `ε = 2⁻²⁴`, and `S` the length of the longer prepared edge. Edges and normal are divided by `S`.
+//! So `|e| <= 1` and `|n| <= S`. Let `c = v0 - origin`, `a = (c × d)·e2`, `b = (c × d)·e1` and `D = n·d`. `^` marks
+//! computed numbers. The ray is inside exactly if `a`, `b` and `D - a - b` have no other sign than `D`.
 //!
 //! 1. In `a`, a product of three factors is rounded at most 7 times: `c` once, `e2` once, and 5 times by `×` and `·`.
-//!    The sizes of all products add up to at most `Σ|eᵢ|(|cⱼ||dₖ| + |cₖ||dⱼ|) <= E`. So `|â - a| <= 7εE`. `b` likewise.
-//! 2. In `D`, a product is rounded 4 times: `n` once, and 3 times by `·`. So `|D̂ - D| <= 4εF`.
-//! 3. Count errors relative to `D̂`, and let `g = ε(E + F)/|D̂|`. Those of `a/D̂` and `b/D̂` are at most `7g`. That of
-//!    the third weight is at most `(14E + 4F)ε/|D̂| <= 14g`. The division and `1 - (u + v)` round too. Beside a weight
-//!    of zero, this adds `3ε`. Because `|D̂| <= F(1 + 4ε)`, that is less than `3.01g`. All in all, less than `17.1g`.
-//! 4. So take `B = 18g`. What is left covers terms of second order and the roundings of `B`, below `2⁻²⁰·B`. If the
-//!    smallest weight is above `B`, all three true weights have the sign of `D̂`. Their sum is `D`: the ray is inside.
-//!    If it is below `-B`, one true weight has the other sign: the ray is outside.
-//! 5. That includes a `D̂` of the wrong sign. Then `|D|` and `|D̂|` are at most `4εF`, and `B >= 4.5`. If the ray is
-//!    inside, `|a|` and `|b|` add up to `|D|`. So no weight is below `-B`.
+//!    The sizes of all products add up to at most `Σ|eᵢ|(|cⱼ||dₖ| + |cₖ||dⱼ|)`. With `x = |c₁d₁|`, `y = |c₂d₂|` and
+//!    `z = |c₃d₃|`, the squares of the three brackets add up to `|c|²|d|² + (x + y + z)² - 2(x² + y² + z²)`. That is at
+//!    most `4/3·|c|²|d|²`. So `|â - a| <= 8.09ε|c||d|`. `b` likewise.
+//! 2. In `D`, a product is rounded 4 times: `n` once, and 3 times by `·`. So `|D̂ - D| <= 4εS|d|`.
+//! 3. The third determinant has the errors of all three. In `|D̂| - (â + b̂)`, the sum is rounded too. Where the true
+//!    sum is at most `|D|`, that is at most `1.01εS|d|`. All in all, less than `ε|d|(16.18|c| + 5.02S)`.
+//! 4. So take `B = 16.25ε|d|(|c|₁ + S)`, where `|c|₁ >= |c|` is the sum of the components' sizes. What is left covers
+//!    terms of second order and the roundings of `B`, below `10ε·B`. If the smallest determinant, with the sign of `D̂`
+//!    taken away, is above `B`, all true ones are positive: the ray is inside. If it is below `-B`, the ray is outside.
+//! 5. That includes a `D̂` of the wrong sign. Then `|D̂| <= 4εS|d|`, which is less than three times `B`, so no ray is
+//!    taken to be inside. If the ray is inside, `|a|` and `|b|` add up to `|D| <= 4εS|d|`. So no determinant is below
+//!    `-ε|d|(16.18|c| + 8S)`, and no ray is taken to be outside.
 //!
-//! **The distance.** `t = T/D` with `T = n·c`. By the same count `T` is off by at most `5ε|n|∞|c|₁`, and `D` by at most
-//! `4ε|n|∞|d|₁`. At a hit, `|t||d|₁ <= |c|₁ + S`. So `t` is off by at most `9ε|n|∞(|c|₁ + S)/|D̂|`, and by two
-//! roundings. At every angle, the point `origin + t·dir` is at most `9ε(|c|₁ + S)` off the plane. Where this bound on
-//! the error of `t` is not below `|t|/16`, `t` is computed again in `f64`, and has the right sign. That happens to
-//! rays that start on the triangle or run nearly in its plane.
+//! **The distance.** `t = T/D` with `T = n·c`. By the same count, `T` is off by at most `5ε|n|∞|c|₁`, and `D` by at
+//! most `4ε|n|∞|d|₁`. `|x|∞` is the largest component. At a hit, `|t||d|₁ <= |c|₁ + 2S`. So `t` is off by at most
+//! `9ε|n|∞(|c|₁ + S)/|D̂|`, and by two roundings. At every angle, the point `origin + t·dir` is at most `9ε(|c|₁ + S)`
+//! off the plane. Where this bound on the error of `t` is not below `|t|/16`, `t` is computed again in `f64`, and has
+//! the right sign. That happens to rays that start on the triangle or run nearly in its plane.
 //!
-//! **Range:** `|d|∞` from 2⁻⁴⁰, `|d|∞ + |origin|₁` to 2⁴⁰, vertices to 2⁴⁰, `S` from 2⁻³⁰ to 2³⁰. There no product
-//! overflows, and what underflow loses is below `2⁻⁴⁰` of the bounds. Where the reciprocal of `D̂` overflows, and
-//! outside this range, the bound is infinite. Such rays go to the later stages, which are right for all finite numbers.
+//! **Range:** `|origin|² + |d|²` to 2⁸⁰, vertices to 2⁴⁰, `S` from 2⁻³⁰ to 2³⁰. There no product overflows. In the
+//! bound, `|d|` is at least 2⁻⁵⁰, so what underflow loses is below `2⁻⁴⁰` of it. Outside this range, the bound is
+//! infinite. Such rays go to the later stages, which are right for all finite numbers.
 //!
 //! **Edges:** closed. A ray exactly through an edge or a vertex hits all triangles that it meets there.
 //!
@@ -45,22 +46,24 @@
 //! **Degenerate input:** a triangle of zero area is found when it is prepared, exactly, and misses. Its numbers are
 //! such that the bound is `-∞`: it never takes the branch. A ray that is not valid takes it, and misses.
 //!
-//! **Cost:** against `triangle/kensler_shirley`, 1.17 times the time scalar, 1.29 to 1.34 times in packets of rays,
-//! 1.27 to 1.38 times in packets of triangles. In a tracer, 0.9 to 1.0 times that of `triangle/woop`, but 1.05 to 1.12
-//! times for packets of primary rays: they read 80 bytes per triangle.
+//! **Cost:** against `triangle/kensler_shirley`, 1.2 times the time scalar, 1.34 times in packets of rays, 1.35 times
+//! in packets of triangles. In a tracer, 0.9 to 1.05 times that of `triangle/woop`, but up to 1.1 times for packets of
+//! primary rays at a small mesh: they read 80 bytes per triangle.
 //!
 //! Tried, and not kept: edges computed from the vertices (56 bytes): packets 1.09 times as long; a tracer 0.92 to 0.98
 //! times with a million triangles, 1.0 to 1.2 times with fewer. Edges and normal computed (44 bytes): 1.15 to 1.3
 //! times. `|origin| + |v0|` in place of `|c|`: packets 0.95 times, but far from the origin most rays are not sure.
+//! `|t|` in place of `|c|`: 7 instructions of 92 less, but packets 1.08 times as long, because all wait for the
+//! division.
 //!
-//! **Operations:** 24 multiplications, 17 additions, 1 division, 9 minima, maxima and comparisons. Setup: 1
-//! multiplication, 5 additions, 2 comparisons. 80 bytes prepared.
+//! **Operations:** 23 multiplications, 19 additions, 1 division, 7 minima and comparisons. Setup: 7 multiplications, 5
+//! additions, 1 square root, 2 comparisons. 80 bytes prepared.
 
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
 use super::{Vertices, normal};
-use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, gt8, le8, max, max8, min, min8, t_in_range};
+use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, gt8, le8, max, max8, min, min8, sqrt, sqrt8, t_in_range};
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::volume::{plane_t, volume};
@@ -72,7 +75,7 @@ prepared! {
         vertices: Vertices<P>,
         /// `S`. Infinite for a triangle out of range. `-∞` for one that misses everything.
         size: P,
-        /// How small `|t·D̂|/(|c|₁ + S)` may be, before `t` is computed again.
+        /// How small `|T̂|/(|c|₁ + S)` may be, before `t` is computed again.
         near: P,
         /// `(v0 - v1)/S`.
         e1: P::Vec3,
@@ -135,12 +138,71 @@ impl<P: Lanes> Intersect<f32x8> for Exact<P> {
     }
 }
 
+/// Declares a kernel that prepares what [`Exact`] does, and differs in the rule for ties, in the arithmetic or in the
+/// precision of `t`.
+macro_rules! variant {
+    ($(#[$attribute:meta])* $Name:ident, $rule:ty, $arithmetic:ty, $precise:literal, $info:expr) => {
+        prepared! {
+            $(#[$attribute])*
+            pub struct $Name<P: Lanes> {
+                exact: Exact<P>,
+            }
+        }
+
+        impl Kernel for $Name<f32> {
+            type Shape = Triangle;
+            type Packet = $Name<f32x8>;
+            const INFO: Info = $info;
+
+            fn prepare(shape: &Triangle) -> Self {
+                Self { exact: Exact::of(shape) }
+            }
+
+            prepared!(gather, lane);
+
+            #[inline(always)]
+            fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
+                Some(packet.exact.bounds())
+            }
+        }
+
+        impl Intersect<f32> for $Name<f32> {
+            type Setup = f32;
+
+            #[inline(always)]
+            fn setup(ray: &Ray<f32>) -> f32 {
+                setup(ray)
+            }
+
+            #[inline(always)]
+            fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Hit<f32> {
+                self.exact.test::<$rule, $arithmetic, $precise>(ray, *setup)
+            }
+        }
+
+        impl<P: Lanes> Intersect<f32x8> for $Name<P> {
+            type Setup = f32x8;
+
+            #[inline(always)]
+            fn setup(ray: &Ray<f32x8>) -> f32x8 {
+                setup8(ray)
+            }
+
+            #[inline(always)]
+            fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Hit<f32x8> {
+                self.widen().exact.test8::<$rule, $arithmetic, $precise>(ray, *setup)
+            }
+        }
+    };
+}
+pub(super) use variant;
+
 /// Operations of [`Exact::test8`].
 pub(super) const OPERATIONS: Operations =
-    Operations { mul: 24, add: 17, compare: 9, div: 1, reads: 14, ..Operations::NONE };
+    Operations { mul: 23, add: 19, compare: 7, div: 1, reads: 14, ..Operations::NONE };
 
 /// Operations of [`setup`].
-pub(super) const SETUP_OPERATIONS: Operations = Operations { mul: 1, add: 5, compare: 2, ..Operations::NONE };
+pub(super) const SETUP_OPERATIONS: Operations = Operations { mul: 7, add: 5, div: 1, compare: 2, ..Operations::NONE };
 
 /// `ε`, half an ulp of 1.
 const EPSILON: f32 = f32::EPSILON / 2.0;
@@ -151,29 +213,26 @@ const T_ERROR: f64 = 1.0 / 16.0;
 const PRECISE_T_ERROR: f64 = 1.0 / 4096.0;
 const PRECISE_T: f32 = (T_ERROR / PRECISE_T_ERROR) as f32;
 
-/// Range in which no product overflows or loses digits that count.
-const LONGEST_RAY: f32 = (1u64 << 40) as f32;
-const SHORTEST_RAY: f32 = 1.0 / LONGEST_RAY;
-const LARGEST: f64 = (1 << 30) as f64;
+/// The range in which no product overflows or loses digits that count.
+const LONGEST_EDGE: f64 = (1 << 30) as f64;
+const FARTHEST: f32 = (1u64 << 40) as f32;
+const SHORTEST_RAY_SQUARED: f32 = 1.0 / ((1u128 << 100) as f32);
 
-/// `18ε|d|∞`, the part of the bound that depends on the ray alone. Infinite for a ray out of range or not valid.
+/// `16.25ε|d|`, the part of the bound that depends on the ray alone. Infinite for a ray out of range or not valid.
 #[inline(always)]
 pub(super) fn setup(ray: &Ray<f32>) -> f32 {
-    let (d, o) = (ray.dir.abs(), ray.origin.abs());
-    let length = max(max(d.x, d.y), d.z);
-    let reach = length + (o.x + o.y + o.z);
-    let fits = (length >= SHORTEST_RAY) & (reach <= LONGEST_RAY);
-    if fits { length * (18.0 * EPSILON) } else { f32::INFINITY }
+    let (d, o) = (ray.dir.dot(ray.dir), ray.origin.dot(ray.origin));
+    let length = sqrt(max(d, SHORTEST_RAY_SQUARED));
+    if d + o <= FARTHEST * FARTHEST { length * (16.25 * EPSILON) } else { f32::INFINITY }
 }
 
 /// [`setup`] in eight lanes.
 #[inline(always)]
 pub(super) fn setup8(ray: &Ray<f32x8>) -> f32x8 {
-    let (d, o) = (ray.dir, ray.origin);
-    let length = max8(max8(d.x.abs(), d.y.abs()), d.z.abs());
-    let reach = length + (o.x.abs() + o.y.abs() + o.z.abs());
-    let fits = ge8(length, f32x8::splat(SHORTEST_RAY)) & le8(reach, f32x8::splat(LONGEST_RAY));
-    fits.select(length * f32x8::splat(18.0 * EPSILON), f32x8::splat(f32::INFINITY))
+    let (d, o) = (ray.dir.dot(ray.dir), ray.origin.dot(ray.origin));
+    let length = sqrt8(max8(d, f32x8::splat(SHORTEST_RAY_SQUARED)));
+    let fits = le8(d + o, f32x8::splat(FARTHEST * FARTHEST));
+    fits.select(length * f32x8::splat(16.25 * EPSILON), f32x8::splat(f32::INFINITY))
 }
 
 /// Products and sums, rounded separately or together. The bound covers both: no product is rounded more than stated.
@@ -213,14 +272,13 @@ impl Exact<f32> {
     /// The prepared triangle.
     pub(super) fn of(shape: &Triangle) -> Self {
         let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
-        let norm = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
         let (e1, e2, n) = (v0 - v1, v2 - v0, normal(shape));
-        let size = norm(e1).max(norm(e2));
+        let size = e1.length_squared().max(e2.length_squared()).sqrt();
         if !size.is_finite() || n == DVec3::ZERO && is_degenerate([v0, v1, v2]) {
             return Self::MISSES;
         }
         let far = [v0, v1, v2].map(|v| v.abs().max_element()).into_iter().fold(0.0, f64::max);
-        let fits = (1.0 / LARGEST..=LARGEST).contains(&size) && far <= LONGEST_RAY.into();
+        let fits = (1.0 / LONGEST_EDGE..=LONGEST_EDGE).contains(&size) && far <= FARTHEST.into();
         let scaled = |v: DVec3| (v / size).as_vec3();
         // The last term covers the roundings of a normal that is short, because the triangle is a sliver.
         let near = 9.0 / T_ERROR * f64::from(EPSILON) * (n.abs().max_element() / size + f64::from(EPSILON) * size);
@@ -255,38 +313,32 @@ impl Exact<f32> {
         let det = A::dot(n, ray.dir);
         let (a, b) = (A::dot(r, e2), A::dot(r, e1));
 
-        // Miss early, without a division. The bound holds before the division too.
-        let reach = c.x.abs() + c.y.abs() + c.z.abs() + size;
+        // Compare the smallest determinant with its bound. Miss early, without a division.
         let sign = det.to_bits() & (1 << 31);
         let [a_by_sign, b_by_sign] = [a, b].map(|x| f32::from_bits(x.to_bits() ^ sign));
-        if min(min(a_by_sign, b_by_sign), det.abs() - (a_by_sign + b_by_sign)) < -(setup * reach) {
+        let smallest = min(min(a_by_sign, b_by_sign), det.abs() - (a_by_sign + b_by_sign));
+        let reach = c.x.abs() + c.y.abs() + c.z.abs() + size;
+        let bound = setup * reach;
+        if smallest < -bound {
             return Hit::MISS;
         }
 
         // Compute the barycentrics and t.
         let inv_det = 1.0 / det;
         let (u, v) = (a * inv_det, b * inv_det);
-        let t = A::dot(n, c) * inv_det;
-
-        // Compare the smallest weight and t with their bounds.
-        let weight = min(min(u, v), 1.0 - (u + v));
-        let reach = reach * inv_det.abs();
-        let decided = weight.abs() > setup * reach;
-        let inside = weight > 0.0;
-        let near = near * reach;
-        let mut sure = decided & (!inside | (t.abs() > near));
+        let height = A::dot(n, c);
+        let t = height * inv_det;
 
         // Test the range of t. It is finite, because the ray is inside.
-        let hit = inside & (t >= ray.t_min) & (t <= ray.t_max);
-        if PRECISE {
-            sure &= !hit | (t.abs() > near * PRECISE_T);
-        }
+        let hit = (t >= ray.t_min) & (t <= ray.t_max);
 
         // Decide again what is not sure.
-        if !sure {
-            return decide::<R>([v0, v1, v2], ray);
+        let near = near * reach;
+        let precise = !PRECISE | !hit | (height.abs() > near * PRECISE_T);
+        if (smallest > bound) & (height.abs() > near) & precise {
+            return Hit::<f32>::new(hit, t, u, v);
         }
-        Hit::<f32>::new(hit, t, u, v)
+        decide::<R>([v0, v1, v2], ray)
     }
 }
 
@@ -312,23 +364,25 @@ impl<P: Lanes> Exact<P> {
         let det = A::dot8(n, ray.dir);
         let (a, b) = (A::dot8(r, e2), A::dot8(r, e1));
 
+        // Compare the smallest determinant and the ray's height above the plane with their bounds.
+        let sign = det & f32x8::splat(-0.0);
+        let (a_by_sign, b_by_sign) = (a ^ sign, b ^ sign);
+        let smallest = min8(min8(a_by_sign, b_by_sign), det.abs() - (a_by_sign + b_by_sign));
+        let height = A::dot8(n, c);
+        let reach = c.x.abs() + c.y.abs() + c.z.abs() + size;
+        let inside = gt8(smallest, f32x8::ZERO);
+        let near = near * reach;
+        let mut sure = gt8(smallest.abs(), setup * reach) & (!inside | gt8(height.abs(), near));
+
         // Compute the barycentrics and t.
         let inv_det = f32x8::ONE / det;
         let (u, v) = (a * inv_det, b * inv_det);
-        let t = A::dot8(n, c) * inv_det;
-
-        // Compare the smallest weight and t with their bounds.
-        let weight = min8(min8(u, v), f32x8::ONE - (u + v));
-        let reach = (c.x.abs() + c.y.abs() + c.z.abs() + size) * inv_det.abs();
-        let decided = gt8(weight.abs(), setup * reach);
-        let inside = gt8(weight, f32x8::ZERO);
-        let near = near * reach;
-        let mut sure = decided & (!inside | gt8(t.abs(), near));
+        let t = height * inv_det;
 
         // Test the range of t. It is finite, because the ray is inside.
         let hit = inside & ge8(t, ray.t_min) & le8(t, ray.t_max);
         if PRECISE {
-            sure = sure & (!hit | gt8(t.abs(), near * f32x8::splat(PRECISE_T)));
+            sure = sure & (!hit | gt8(height.abs(), near * f32x8::splat(PRECISE_T)));
         }
         let hit = Hit::<f32x8>::candidate(hit, t, u, v);
 
@@ -425,4 +479,120 @@ impl Decided {
 /// Whether three points are exactly in line.
 fn is_degenerate(vertices: [DVec3; 3]) -> bool {
     DVec3::AXES.into_iter().all(|axis| volume(&vertices, axis, &[axis]) == 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangle and a ray, by their coordinates.
+    type Case = [f32; 15];
+
+    /// The worst that hours of [`climb`] found.
+    const WORST: [Case; 2] = [
+        [
+            -0.31441125,
+            0.2541399,
+            0.05398681,
+            0.6672314,
+            0.8359475,
+            -0.7427271,
+            0.2793945,
+            -0.93845046,
+            -0.28928158,
+            -0.31636563,
+            -0.056258824,
+            -0.968553,
+            0.7757817,
+            -0.05857762,
+            0.4687984,
+        ],
+        [
+            -0.44124052,
+            0.057107028,
+            -0.4214082,
+            -0.31323537,
+            0.5563104,
+            0.9137567,
+            0.7053816,
+            -0.27717203,
+            -0.60981286,
+            0.5132778,
+            0.29929426,
+            -0.45139995,
+            0.0630031,
+            -0.4708413,
+            0.03468953,
+        ],
+    ];
+
+    /// How much of the bound the smallest determinant uses up, where it has the wrong sign. Above 1, a ray would be
+    /// decided wrongly. Negative where the sign is right.
+    fn used(case: &Case) -> f32 {
+        let [v0, v1, v2, origin, dir] = [0, 3, 6, 9, 12].map(|i| Vec3::new(case[i], case[i + 1], case[i + 2]));
+        let corners = [v0, v1, v2].map(Vec3::as_dvec3);
+        let ([a, b, c], o, d) = (corners, origin.as_dvec3(), dir.as_dvec3());
+        let weights = [[c, a], [a, b], [b, c]].map(|[p, q]| volume(&[o, p, q], d, &[d]));
+
+        let Exact { size, e1, e2, n, .. } = Exact::of(&Triangle { v0, v1, v2 });
+        let c = v0 - origin;
+        let r = Separate::cross(c, dir);
+        let (det, a, b) = (Separate::dot(n, dir), Separate::dot(r, e2), Separate::dot(r, e1));
+        let sign = 1f32.copysign(det);
+        let smallest = min(min(a * sign, b * sign), det.abs() - (a * sign + b * sign));
+        let reach = c.x.abs() + c.y.abs() + c.z.abs() + size;
+        let used = smallest / (setup(&Ray { origin, dir, t_min: 0.0, t_max: 1.0 }) * reach);
+        if Closed::is_inside(weights, corners, d) { -used } else { used }
+    }
+
+    /// Changes digits of a case at random, and keeps what uses more of the bound.
+    fn climb(case: &mut Case, steps: u32, random: &mut impl FnMut(u32) -> u32) -> f32 {
+        let mut best = used(case);
+        for _ in 0..steps {
+            let mut other = *case;
+            for _ in 0..=random(2) {
+                let number = &mut other[random(15) as usize];
+                let digits = number.to_bits();
+                *number = f32::from_bits(match random(2) {
+                    0 => digits ^ 1 << random(23),
+                    _ => digits.wrapping_add(random(9)).wrapping_sub(4),
+                });
+            }
+            let used = used(&other);
+            if used >= best && used.is_finite() {
+                (*case, best) = (other, used);
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn a_search_for_wrong_decisions_stays_within_the_bound() {
+        // Xorshift of G. Marsaglia, 2003.
+        let mut state = 1u64;
+        let mut random = |below: u32| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 32) as u32 % below
+        };
+        let most = WORST.iter().map(used).fold(0.0, f32::max);
+        assert!((0.19..1.0).contains(&most), "{most}");
+
+        for seed in 0..100 {
+            // A ray at a point of an edge. The other cases start from the worst.
+            let mut case = match WORST.get(seed) {
+                Some(worst) => *worst,
+                None => [(); 15].map(|()| random(1 << 24) as f32 / (1 << 23) as f32 - 1.0),
+            };
+            if seed >= WORST.len() {
+                let along = random(1 << 24) as f32 / (1 << 24) as f32;
+                for i in 0..3 {
+                    case[12 + i] = case[i] + (case[3 + i] - case[i]) * along - case[9 + i];
+                }
+            }
+            let most = climb(&mut case, 4_000, &mut random);
+            assert!(most < 1.0, "{most} of the bound: {case:?}");
+        }
+    }
 }

@@ -25,81 +25,38 @@
 use glam::DVec3;
 use wide::f32x8;
 
-use super::exact::{Exact, OPERATIONS, Rule, SETUP_OPERATIONS, Separate, setup, setup8};
+use super::exact::{Exact, OPERATIONS, Rule, SETUP_OPERATIONS, Separate, setup, setup8, variant};
 use crate::geom::lanes::Lanes;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::volume::ExactSum;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel};
 
-prepared! {
+variant! {
     /// Triangles for the exact half-open test.
-    pub struct ExactHalfOpen<P: Lanes> {
-        exact: Exact<P>,
-    }
-}
-
-impl Kernel for ExactHalfOpen<f32> {
-    type Shape = Triangle;
-    type Packet = ExactHalfOpen<f32x8>;
-    const INFO: Info = Info {
+    ExactHalfOpen, HalfOpen, Separate, false,
+    Info {
         id: Id::of("triangle/exact_half_open"),
         idea: "the exact test; the ray is moved by an infinitesimal and then meets no edge",
         source: "Kensler, Shirley, 2006; Edelsbrunner, Mücke, \"Simulation of Simplicity\", 1990",
         operations: OPERATIONS,
         setup: SETUP_OPERATIONS,
-        claims: &[
-            Claim::EdgeWatertight,
-            Claim::VertexWatertight,
-            Claim::SingleHit,
-            Claim::EvenCrossings,
-            Claim::NoHitBehind,
-            Claim::RightDecision,
-        ],
-    };
-
-    fn prepare(shape: &Triangle) -> Self {
-        Self { exact: Exact::of(shape) }
-    }
-
-    prepared!(gather, lane);
-
-    #[inline(always)]
-    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.exact.bounds())
+        claims: CLAIMS,
     }
 }
 
-impl Intersect<f32> for ExactHalfOpen<f32> {
-    type Setup = f32;
-
-    #[inline(always)]
-    fn setup(ray: &Ray<f32>) -> f32 {
-        setup(ray)
-    }
-
-    #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Hit<f32> {
-        self.exact.test::<HalfOpen, Separate, false>(ray, *setup)
-    }
-}
-
-impl<P: Lanes> Intersect<f32x8> for ExactHalfOpen<P> {
-    type Setup = f32x8;
-
-    #[inline(always)]
-    fn setup(ray: &Ray<f32x8>) -> f32x8 {
-        setup8(ray)
-    }
-
-    #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Hit<f32x8> {
-        self.widen().exact.test8::<HalfOpen, Separate, false>(ray, *setup)
-    }
-}
+/// What follows from the tie rule.
+pub(super) const CLAIMS: &[Claim] = &[
+    Claim::EdgeWatertight,
+    Claim::VertexWatertight,
+    Claim::SingleHit,
+    Claim::EvenCrossings,
+    Claim::NoHitBehind,
+    Claim::RightDecision,
+];
 
 /// A ray on an edge belongs to the triangle into which it would be moved.
-struct HalfOpen;
+pub(super) struct HalfOpen;
 
 impl Rule for HalfOpen {
     #[inline(always)]

@@ -15,67 +15,21 @@
 
 use wide::f32x8;
 
-use super::exact::{Closed, Exact, OPERATIONS, SETUP_OPERATIONS, Separate, setup, setup8};
+use super::exact::{Closed, Exact, OPERATIONS, SETUP_OPERATIONS, Separate, setup, setup8, variant};
 use crate::geom::lanes::Lanes;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
-prepared! {
+variant! {
     /// Triangles for the exact test with a precise distance.
-    pub struct ExactT<P: Lanes> {
-        exact: Exact<P>,
-    }
-}
-
-impl Kernel for ExactT<f32> {
-    type Shape = Triangle;
-    type Packet = ExactT<f32x8>;
-    const INFO: Info = Info {
+    ExactT, Closed, Separate, true,
+    Info {
         id: Id::of("triangle/exact_t"),
         idea: "the exact test; a t that may be off by more than 4,096 ulp is computed again",
         source: "Kensler, Shirley, 2006; Shewchuk, \"Adaptive Precision […] Robust Geometric Predicates\", 1997",
         operations: Operations { mul: OPERATIONS.mul + 1, compare: OPERATIONS.compare + 1, ..OPERATIONS },
         setup: SETUP_OPERATIONS,
         claims: &[Claim::EdgeWatertight, Claim::VertexWatertight, Claim::NoHitBehind, Claim::RightDecision],
-    };
-
-    fn prepare(shape: &Triangle) -> Self {
-        Self { exact: Exact::of(shape) }
-    }
-
-    prepared!(gather, lane);
-
-    #[inline(always)]
-    fn bounds(packet: &Self::Packet) -> Option<Slabs<f32x8>> {
-        Some(packet.exact.bounds())
-    }
-}
-
-impl Intersect<f32> for ExactT<f32> {
-    type Setup = f32;
-
-    #[inline(always)]
-    fn setup(ray: &Ray<f32>) -> f32 {
-        setup(ray)
-    }
-
-    #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Hit<f32> {
-        self.exact.test::<Closed, Separate, true>(ray, *setup)
-    }
-}
-
-impl<P: Lanes> Intersect<f32x8> for ExactT<P> {
-    type Setup = f32x8;
-
-    #[inline(always)]
-    fn setup(ray: &Ray<f32x8>) -> f32x8 {
-        setup8(ray)
-    }
-
-    #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Hit<f32x8> {
-        self.widen().exact.test8::<Closed, Separate, true>(ray, *setup)
     }
 }

@@ -11,7 +11,7 @@ use super::contender::{ours, plain_mesh};
 use super::crates::rust_peers;
 use crate::geom::Hit;
 #[cfg(feature = "peers")]
-use crate::kernels::triangle::Woop;
+use crate::study::TracerKernel;
 use crate::study::measure::ray_sets::RaySet;
 #[cfg(feature = "peers")]
 use crate::study::measure::ray_sets::ray_sets;
@@ -90,7 +90,7 @@ pub fn measure(
 pub(crate) fn compare(source: &SceneSource, size: u32, seed: u64, rounds: usize) -> Result<Vec<PeerRow>, Error> {
     let LoadedScene { world, view, .. } = source.load()?;
     let start = Instant::now();
-    let scene = Scene::<Woop<f32>>::new(world);
+    let scene = Scene::<TracerKernel>::new(world);
     let build_seconds = start.elapsed().as_secs_f64();
     let Some(mesh) = plain_mesh(scene.world()) else { return Ok(Vec::new()) };
     let pool = thread_pool(1)?;
@@ -198,7 +198,7 @@ mod peer_tests {
     #[test]
     fn all_peers_agree_on_the_meaning_of_u_and_v() {
         let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e3").unwrap().load().unwrap();
-        let scene = Scene::<Woop<f32>>::new(world);
+        let scene = Scene::<TracerKernel>::new(world);
         let [primary, ..] = ray_sets(&scene, &view, 64, 7);
         let reference = trace(&scene, &primary.rays, false, Mode::Scalar);
         for peer in rust_peers(plain_mesh(scene.world()).unwrap()) {
