@@ -39,22 +39,40 @@ pub(super) fn volume(points: &[DVec3; 3], v: DVec3, exact: &[DVec3]) -> f64 {
     let (a, b, c) = (e1.abs(), e2.abs(), v.abs());
     let products = (a.y * b.z + a.z * b.y) * c.x + (a.z * b.x + a.x * b.z) * c.y + (a.x * b.y + a.y * b.x) * c.z;
     // Without products, the volume is exactly zero.
-    if (value.abs() > BOUND / RELATIVE * products) | (products == 0.0) { value } else { exact_volume(points, exact) }
+    if (value.abs() > BOUND / RELATIVE * products) | (products == 0.0) { value } else { unsure(value, points, exact) }
 }
 
-/// [`volume`], rounded once. The normal is `p0 × p1 + p1 × p2 + p2 × p0`.
+/// [`volume`], where the bound does not tell enough about `value`.
 #[cold]
 #[inline(never)]
+fn unsure(value: f64, points: &[DVec3; 3], exact: &[DVec3]) -> f64 {
+    // Differences have 16 bits, the normal 33, and the sum of three products 51. So `f64` rounded nothing. That decides
+    // most exact ties: they are between numbers of few digits.
+    if have_few_digits(points) && have_few_digits(exact) { value } else { exact_volume(points, exact) }
+}
+
+/// Whether all components are multiples of one number, by less than 2¹⁵.
+fn have_few_digits(vectors: &[DVec3]) -> bool {
+    let largest = vectors.iter().fold(0.0, |largest: f64, v| largest.max(v.abs().max_element()));
+    // In a sum with this number, digits below `largest`·2⁻¹⁴ are rounded away.
+    let coarse = DVec3::splat(largest * (1u64 << 39) as f64);
+    vectors.iter().all(|v| (*v + coarse) - coarse == *v)
+}
+
+/// [`volume`], rounded once. The normal is `p0 × p1 + p1 × p2 + p2 × p0`, and its components are exact sums too.
 fn exact_volume(&[p0, p1, p2]: &[DVec3; 3], exact: &[DVec3]) -> f64 {
-    let mut sum = ExactSum::<{ 2 * 2 * 18 }>::ZERO;
-    for v in exact {
+    let normal = [(1, 2), (2, 0), (0, 1)].map(|(j, k)| {
+        let mut component = ExactSum::<6>::ZERO;
         for (p, q) in [(p0, p1), (p1, p2), (p2, p0)] {
-            sum.add_products(p.y, q.z, v.x);
-            sum.add_products(-p.z, q.y, v.x);
-            sum.add_products(p.z, q.x, v.y);
-            sum.add_products(-p.x, q.z, v.y);
-            sum.add_products(p.x, q.y, v.z);
-            sum.add_products(-p.y, q.x, v.z);
+            component.add(p[j] * q[k]);
+            component.add(-p[k] * q[j]);
+        }
+        component
+    });
+    let mut sum = ExactSum::<{ 2 * 3 * 6 * 2 }>::ZERO;
+    for v in exact {
+        for (component, v) in normal.iter().zip(v.to_array()) {
+            component.parts[..component.len].iter().for_each(|part| sum.add_product(*part, v));
         }
     }
     sum.rounded()
@@ -70,10 +88,6 @@ impl<const N: usize> ExactSum<N> {
     pub(super) const ZERO: Self = Self { parts: [0.0; N], len: 0 };
 
     pub(super) fn add(&mut self, term: f64) {
-        // Half of the terms of small whole numbers are zero, and most exact ties are between such.
-        if term == 0.0 {
-            return;
-        }
         let (mut sum, mut kept) = (term, 0);
         for index in 0..self.len {
             let part = self.parts[index];
@@ -94,15 +108,14 @@ impl<const N: usize> ExactSum<N> {
         self.len = kept;
     }
 
-    /// Adds `a·b·c`. All three must be `f32` numbers. Then `a·b` has 48 bits, and its halves times `c` have 50.
-    fn add_products(&mut self, a: f64, b: f64, c: f64) {
+    /// Adds `a·b`, where `b` is an `f32` number. The halves of `a` times `b` have 50 bits.
+    fn add_product(&mut self, a: f64, b: f64) {
         /// 2²⁷ + 1: cuts a number into two halves of 26 bits.
         const SPLITTER: f64 = 134_217_729.0;
-        let product = a * b;
-        let scaled = product * SPLITTER;
-        let high = scaled - (scaled - product);
-        self.add(high * c);
-        self.add((product - high) * c);
+        let scaled = a * SPLITTER;
+        let high = scaled - (scaled - a);
+        self.add(high * b);
+        self.add((a - high) * b);
     }
 
     /// The largest part decides the sign.
@@ -148,8 +161,18 @@ mod tests {
         let origin = Vec3::new(136_534.0, 158_240.0, 182_961.0);
         let [v0, v1, v2, o] = [Vec3::ZERO, e1, e2, origin].map(Vec3::as_dvec3);
         assert_ne!(v1.cross(v2).dot(o), 1.0);
-        assert_eq!(exact_volume(&[v0, v1, v2], &[v0, -o]), -1.0);
+        assert_eq!(volume(&[v0, v1, v2], -o, &[v0, -o]), -1.0);
         assert!(plane_t([Vec3::ZERO, e1, e2], origin, Vec3::new(-1.0, -1.0, 1.0)) < 0.0);
+    }
+
+    #[test]
+    fn fourteen_digits_are_few() {
+        let most = f64::from((1 << 14) - 1);
+        for scale in [-130, 0, 100].map(|exponent| 2f64.powi(exponent)) {
+            assert!(have_few_digits(&[DVec3::new(most, -most, 1.0) * scale, DVec3::new(0.0, 1.0, -1.0) * scale]));
+            assert!(!have_few_digits(&[DVec3::new(4.0 * most, 0.0, 0.0) * scale, DVec3::X * scale]));
+        }
+        assert!(have_few_digits(&[DVec3::ZERO]));
     }
 
     #[test]
