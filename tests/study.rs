@@ -156,9 +156,9 @@ fn tracer_is_measured(record: &Record) {
 fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
     let kernels = Kernels::<S>::registered();
     let mut rows: Vec<AccuracyRow> =
-        Workload::ALL.into_iter().flat_map(|workload| kernels.on_workload(workload, 100_000, 7)).collect();
+        Workload::ALL.into_iter().flat_map(|workload| kernels.on_workload(workload, 50_000, 7)).collect();
     for regime in S::REGIMES.iter().filter(|regime| regimes(regime)) {
-        rows.extend(regime.steps.iter().flat_map(|&severity| kernels.on_regime(regime, severity, 100_000, 7)));
+        rows.extend(regime.steps.iter().flat_map(|&severity| kernels.on_regime(regime, severity, 50_000, 7)));
     }
     let judged = claims::judged(&kernels, &rows);
     let mut failures = Vec::new();

@@ -139,8 +139,8 @@ fn check(source: &SceneSource) {
     let [Geometry::Mesh(mesh)] = world.geometries() else { panic!("{} is not one mesh", source.name()) };
     let mut rays = view.camera(64, 64).rays(64, 64);
     rays.extend(hard_rays(mesh, 8_000));
-    // About 20 million brute-force tests for every size of mesh.
-    let stride = (rays.len() * mesh.len() / 20_000_000).max(1);
+    // About 10 million brute-force tests for every size of mesh.
+    let stride = (rays.len() * mesh.len() / 10_000_000).max(1);
     registry::triangles(&mut EveryKernel { name: &source.name(), world, rays: &rays, stride });
 }
 
@@ -192,7 +192,7 @@ fn the_lower_primitive_number_wins_ties() {
     let triangles: Vec<_> = (0..copies).flat_map(|_| mesh.triangles().iter().copied()).collect();
     let many = worlds::mesh(mesh.positions().to_vec(), triangles);
     let rays = hard_rays(&mesh, 4_000);
-    registry::triangles(&mut EveryKernel { name: "copies", world: many.clone().into(), rays: &rays, stride: 1 });
+    registry::triangles(&mut EveryKernel { name: "copies", world: many.clone().into(), rays: &rays, stride: 4 });
     let hits = trace(&Scene::<Cramer<f32>>::from(many), &rays, false, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
 }
