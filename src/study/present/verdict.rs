@@ -128,14 +128,16 @@ fn price(group: &Group) -> Option<String> {
     Some(format!(" `{}` is {gain} as fast, but loses {}.", first.name, at_worst(first)?))
 }
 
-/// How noisy the timings were, and how many kernels tie; `None` if there are no timings.
-pub(crate) fn noise(record: &Record, groups: &[Group]) -> Option<String> {
+/// How far the median sample is away from its median, relative to it; `None` if there are no timings.
+pub(crate) fn spread(record: &Record) -> Option<f64> {
     let spreads: Vec<f64> =
         record.speed.iter().filter(|row| row.threads == 1).map(|row| row.ns_per_test_mad / row.ns_per_test).collect();
-    let spread = median(&spreads);
-    if !spread.is_finite() {
-        return None;
-    }
+    Some(median(&spreads)).filter(|spread| spread.is_finite())
+}
+
+/// How noisy the timings were, and how many kernels tie; `None` if there are no timings.
+pub(crate) fn noise(record: &Record, groups: &[Group]) -> Option<String> {
+    let spread = spread(record)?;
     let (mut ties, mut pairs) = (0, 0);
     for group in groups {
         let mut rows: Vec<&SpeedRow> = group.kernels.iter().filter_map(|kernel| kernel.speed("8x1", 1)).collect();
