@@ -273,7 +273,7 @@ impl Exact<f32> {
     pub(super) fn of(shape: &Triangle) -> Self {
         let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
         let (e1, e2, n) = (v0 - v1, v2 - v0, normal(shape));
-        let size = e1.length_squared().max(e2.length_squared()).sqrt();
+        let size = e1.length().max(e2.length());
         if !size.is_finite() || n == DVec3::ZERO && is_degenerate([v0, v1, v2]) {
             return Self::MISSES;
         }
