@@ -488,7 +488,7 @@ mod tests {
     /// A triangle and a ray, by their coordinates.
     type Case = [f32; 15];
 
-    /// The worst that hours of [`climb`] found.
+    /// The worst of 900 million steps like those of [`climb`].
     const WORST: [Case; 2] = [
         [
             -0.31441125,
