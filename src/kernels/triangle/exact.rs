@@ -47,12 +47,14 @@
 //! such that the bound is `-∞`: it never takes the branch. A ray that is not valid takes it, and misses.
 //!
 //! **Cost:** against `triangle/kensler_shirley`, 1.2 times the time scalar, 1.34 times in packets of rays, 1.35 times
-//! in packets of triangles. In a tracer, 0.9 to 1.05 times that of `triangle/woop`, but up to 1.1 times for packets of
-//! primary rays at a small mesh: they read 80 bytes per triangle.
+//! in packets of triangles. In a tracer, 0.85 to 1.0 times that of `triangle/woop`, but up to 1.1 times for packets of
+//! primary rays at a mesh that does not fit into the second-level cache.
 //!
 //! Tried, and not kept: edges computed from the vertices (56 bytes): packets 1.09 times as long; a tracer 0.92 to 0.98
 //! times with a million triangles, 1.0 to 1.2 times with fewer. Edges and normal computed (44 bytes): 1.15 to 1.3
-//! times. `|origin| + |v0|` in place of `|c|`: packets 0.95 times, but far from the origin most rays are not sure.
+//! times. Edges stored for packets of triangles, and computed for packets of rays, which then read 60 bytes of 84: no
+//! faster. A miss before the division where all lanes miss: packets of rays 1.7 times as long, a tracer the same.
+//! `|origin| + |v0|` in place of `|c|`: packets 0.95 times, but far from the origin most rays are not sure.
 //! `|t|` in place of `|c|`: 7 instructions of 92 less, but packets 1.08 times as long, because all wait for the
 //! division.
 //!

@@ -121,7 +121,7 @@ impl Subject for Triangle {
             about: "Rays through the middle vertex of a fan of ever more triangles. Some fans are on a grid, where \
                     rays meet the vertex exactly.",
             axis: "triangles around the vertex",
-            steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0],
+            steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0],
             mesh: true,
             sample: |triangles, rng| vertex_fan(triangles as usize, rng),
         },
