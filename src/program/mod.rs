@@ -25,7 +25,7 @@ mod usage;
 use std::process::ExitCode;
 
 use raylanes::study::Progress;
-use raylanes::tracer::Error;
+use raylanes::tracer::{self, Error};
 
 use args::{Command, StudyArguments};
 use usage::Request;
@@ -44,6 +44,9 @@ pub(crate) fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(line) => {
+            // Whoever interrupts holds the writes and removes reserved folders, and a command that reads one fails
+            // then. This waits for the exit.
+            let _held = tracer::hold_writes();
             terminal::note(&format!("raylanes: {line}"));
             ExitCode::from(2)
         }
