@@ -44,11 +44,11 @@ pub(crate) fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(line) => {
-            // Whoever interrupts holds the writes and removes reserved folders, and a command that reads one fails
-            // then. This waits for the exit.
+            // An interrupt removes reserved folders, so the command may fail because of it. This error and the message
+            // of the interrupt exclude each other: whoever holds the writes first exits while holding them.
             let _held = tracer::hold_writes();
             terminal::note(&format!("raylanes: {line}"));
-            ExitCode::from(2)
+            std::process::exit(2)
         }
     }
 }
