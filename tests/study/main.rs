@@ -1,6 +1,10 @@
-//! Tests that the study covers every registered kernel, and that kernels keep their claims.
+//! Tests that the study covers every registered kernel, that kernels keep their claims, and that the report works in a
+//! browser.
+
+mod browser;
 
 use std::collections::BTreeSet;
+use std::sync::LazyLock;
 
 use raylanes::geom::{Aabb, Placed, Quadric, Shape, Triangle};
 use raylanes::kernels::Kernel;
@@ -13,6 +17,13 @@ use raylanes::study::record::{AccuracyRow, ClaimRow, CoherenceRow, Record};
 use raylanes::study::workload::{Regime, Subject, Workload};
 use raylanes::study::{self, Options, Progress, TracerKernel};
 use raylanes::tracer::{Mode, SceneSource};
+
+/// A quick study of one scene.
+static RECORD: LazyLock<Record> = LazyLock::new(|| {
+    let scenes = vec![SceneSource::parse("room:small").unwrap()];
+    let options = Options { scenes, quick: true, large: false, seed: 1, peers: cfg!(feature = "peers") };
+    study::run(&options, &Progress::bar()).unwrap()
+});
 
 #[derive(Default)]
 struct Ids(BTreeSet<String>);
@@ -50,14 +61,12 @@ fn extent_of(title: &str) -> [usize; 2] {
 
 #[test]
 fn every_kernel_is_measured_and_charted() {
-    let scenes = vec![SceneSource::parse("room:small").unwrap()];
-    let options = Options { scenes, quick: true, large: false, seed: 1, peers: cfg!(feature = "peers") };
-    let record = study::run(&options, &Progress::bar()).unwrap();
+    let record: &Record = &RECORD;
     let mut ids = Ids::default();
     registry::all(&mut ids);
     for id in &ids.0 {
         assert_eq!(record.methods.iter().filter(|row| row.id == *id).count(), 1, "{id}");
-        summary_is_consistent(&record, id);
+        summary_is_consistent(record, id);
         // Speed: three widths, with one and two threads. Accuracy: two workloads without steps, and the steps of the
         // regimes.
         let [steps, maps] = extent_of(&title_of(id));
@@ -88,15 +97,15 @@ fn every_kernel_is_measured_and_charted() {
     assert_eq!(record.rates.len(), 9 + fused);
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
     assert!(simple().all(|row| row.rays >= 2_000 && row.exact_hits > 0 && row.exact_misses > 0));
-    tracer_is_measured(&record);
+    tracer_is_measured(record);
     // Four sets of rays, traced by our four modes and by seven configurations of three crates.
     assert_eq!(record.peers.len(), if cfg!(feature = "peers") { 4 * (4 + 7) } else { 0 });
 
     let folder = std::env::temp_dir().join(format!("raylanes-study-{}", std::process::id()));
-    study::write(&record, &folder).unwrap();
+    study::write(record, &folder).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     assert!(
-        serde_json::from_str::<Record>(&read("results.json")).unwrap() == record,
+        serde_json::from_str::<Record>(&read("results.json")).unwrap() == *record,
         "the record must survive JSON unchanged"
     );
     let (report, chart) = (read("report.md"), read("speed-accuracy.svg"));

@@ -5,8 +5,9 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use raylanes::study::{self, Options};
-use raylanes::tracer::SceneSource;
+use raylanes::study;
+
+use crate::RECORD;
 
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
@@ -54,11 +55,8 @@ fn the_page_is_drawn_fits_the_window_and_shows_tooltips() {
         println!("skipped: no browser in the path or in CHROME");
         return;
     };
-    let scenes = vec![SceneSource::parse("room:small").unwrap()];
-    let options = Options { scenes, quick: true, large: false, seed: 1, peers: false };
-    let record = study::run(&options, &study::Progress::bar()).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    study::write(&record, folder.path()).unwrap();
+    study::write(&RECORD, folder.path()).unwrap();
     let report = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     // This script comes first in the page, so that it sees every error.
     let (head, body) = report.split_once("<body>").unwrap();
