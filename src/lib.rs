@@ -91,6 +91,9 @@
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 #![forbid(unsafe_code)]
 
+// Their types are part of this crate's interface.
+pub use {glam, wide};
+
 #[cfg(feature = "tracer")]
 mod error;
 #[cfg(feature = "tracer")]

@@ -147,6 +147,7 @@ where
 
 /// A kernel that this build does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Absent {
     /// Its ID. Its instances are absent too.
     pub id: &'static str,

@@ -2,12 +2,13 @@
 
 use wide::{f32x8, u32x8};
 
-use super::lanes::{Lanes, Mask8, eq8, min};
+use super::candidate::Candidate;
+use super::lanes::{Lanes, Mask, Mask8, eq8, lt8};
 
 /// Outcome of intersecting one ray (`Hit<f32>`) or a packet (`Hit<f32x8>`).
 ///
 /// A lane that misses holds exactly [`Hit::MISS`]. So two hits are identical if their bits are ([`Hit::to_bits`]). A
-/// hit never holds a NaN. Only a [candidate](Hit::candidate) may hold anything in the lanes that miss.
+/// hit never holds a NaN. Kernels return a [`Candidate`], whose lanes that miss may hold anything.
 ///
 /// | shape | `t` | `u`, `v` |
 /// | --- | --- | --- |
@@ -15,6 +16,7 @@ use super::lanes::{Lanes, Mask8, eq8, min};
 /// | box | where the ray enters it, clipped to the ray's interval | `u`: where the ray leaves it, clipped; `v = 0` |
 /// | quadric | where the ray hits it | 0 |
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Hit<L: Lanes> {
     /// Which lanes hit.
     pub mask: L::Mask,
@@ -30,22 +32,37 @@ pub struct Hit<L: Lanes> {
     pub instance: L::Index,
 }
 
+impl<L: Lanes> Hit<L> {
+    /// The hit in a lane.
+    ///
+    /// # Panics
+    /// If `lane >= L::LANES`.
+    #[inline]
+    pub fn lane(&self, lane: usize) -> Hit<f32> {
+        Hit {
+            mask: self.mask.lane(lane),
+            t: self.t.lane(lane),
+            u: self.u.lane(lane),
+            v: self.v.lane(lane),
+            primitive: L::lane_of_index(self.primitive, lane),
+            instance: L::lane_of_index(self.instance, lane),
+        }
+    }
+}
+
 impl Hit<f32> {
     /// The content of every miss.
     pub const MISS: Self =
         Self { mask: false, t: f32::INFINITY, u: 0.0, v: 0.0, primitive: u32::MAX, instance: u32::MAX };
 
-    /// A hit of primitive 0 if `mask` is set, else [`Hit::MISS`].
+    /// A hit of primitive 0 if `mask` is set and `t`, `u` and `v` are numbers, else [`Hit::MISS`].
     #[inline(always)]
     pub fn new(mask: bool, t: f32, u: f32, v: f32) -> Self {
-        if mask { Self { mask, t, u, v, primitive: 0, instance: 0 } } else { Self::MISS }
-    }
-
-    /// [`Hit::new`] without a branch, for a `mask` that is set about half the time. A comparison of `t` that follows
-    /// then needs no branch on the mask.
-    #[inline(always)]
-    pub fn select(mask: bool, t: f32, u: f32, v: f32) -> Self {
-        Self { t: core::hint::select_unpredictable(mask, t, f32::INFINITY), ..Self::new(mask, t, u, v) }
+        if mask & !t.is_nan() & !u.is_nan() & !v.is_nan() {
+            Self { mask, t, u, v, primitive: 0, instance: 0 }
+        } else {
+            Self::MISS
+        }
     }
 
     /// The bits of `t`, `u` and `v`, and the numbers of primitive and instance. They determine the mask.
@@ -70,76 +87,37 @@ impl Hit<f32x8> {
         Self::new(Mask8::none(), f32x8::ZERO, f32x8::ZERO, f32x8::ZERO)
     }
 
-    /// A hit of primitive 0 in the lanes of `mask`. The other lanes keep the given values and are no hits. Writing
-    /// [`Hit::MISS`] into them for every primitive made packets 0.84 to 1.01 times as fast.
-    #[inline(always)]
-    pub fn candidate(mask: Mask8, t: f32x8, u: f32x8, v: f32x8) -> Self {
-        let number = u32x8::splat(0);
-        Self { mask, t, u, v, primitive: number, instance: number }
-    }
-
-    /// A hit of primitive 0 in the lanes of `mask`, [`Hit::MISS`] in the others.
+    /// A hit of primitive 0 in the lanes where `mask` is set and `t`, `u` and `v` are numbers, [`Hit::MISS`] in the
+    /// others.
     #[inline(always)]
     pub fn new(mask: Mask8, t: f32x8, u: f32x8, v: f32x8) -> Self {
-        Self::candidate(mask, t, u, v).or_miss()
-    }
-
-    /// Writes [`Hit::MISS`] into the lanes that miss.
-    #[inline(always)]
-    pub fn or_miss(self) -> Self {
-        let Self { mask, t, u, v, primitive, instance } = self;
-        let none = u32x8::splat(u32::MAX);
-        Self {
-            mask,
-            t: mask.select(t, f32x8::splat(f32::INFINITY)),
-            u: mask.select(u, f32x8::ZERO),
-            v: mask.select(v, f32x8::ZERO),
-            primitive: mask.select_u32(primitive, none),
-            instance: mask.select_u32(instance, none),
-        }
-    }
-
-    /// The hit in lane `index`.
-    ///
-    /// # Panics
-    /// If `index >= 8`.
-    #[inline]
-    pub fn lane(&self, index: usize) -> Hit<f32> {
-        Hit {
-            mask: self.mask.lane(index),
-            t: self.t.to_array()[index],
-            u: self.u.to_array()[index],
-            v: self.v.to_array()[index],
-            primitive: self.primitive.to_array()[index],
-            instance: self.instance.to_array()[index],
-        }
+        Candidate::<f32x8>::new(mask & eq8(t, t) & eq8(u, u) & eq8(v, v), t, u, v).or_miss()
     }
 
     /// The first of the lanes in the order of [`Hit::is_closer_than`]. For one ray against eight primitives, that is
     /// the closest hit.
     #[inline]
     pub fn closest(&self) -> Hit<f32> {
-        if !self.mask.any() {
-            return Hit::MISS;
-        }
-        // The minimum of pairs, then of pairs of pairs: half the latency of one after the other.
-        let t = self.t.to_array();
-        let halves = [0, 1, 2, 3].map(|index| min(t[index], t[index + 4]));
-        let least = min(min(halves[0], halves[2]), min(halves[1], halves[3]));
-        let mut tied = eq8(self.t, f32x8::splat(least)).bits();
-        let mut best = self.lane(tied.trailing_zeros() as usize);
-        tied &= tied - 1;
-        while tied != 0 {
-            let other = self.lane(tied.trailing_zeros() as usize);
-            best = if other.is_closer_than(&best) { other } else { best };
-            tied &= tied - 1;
-        }
-        best
+        Candidate::from(*self).closest()
     }
 
-    /// Takes over these lanes from `other`. They must be hits of `other`.
+    /// Replaces the hit in the lanes where the candidate is closer, by [`Hit::is_closer_than`].
     #[inline(always)]
-    pub fn replace(&mut self, lanes: Mask8, other: &Self) {
+    pub fn keep_closer(&mut self, candidate: &Candidate<f32x8>) {
+        let other = candidate.values();
+        let mut closer = other.mask & lt8(other.t, self.t);
+        let tied = other.mask & eq8(other.t, self.t);
+        if tied.any() {
+            let is_closer = |lane| other.lane(lane).is_closer_than(&self.lane(lane));
+            closer = closer | (tied & Mask8::from_lanes(core::array::from_fn(is_closer)));
+        }
+        self.replace(closer, candidate);
+    }
+
+    /// Takes over these lanes from a candidate that hits there.
+    #[inline(always)]
+    pub(crate) fn replace(&mut self, lanes: Mask8, candidate: &Candidate<f32x8>) {
+        let other = candidate.values();
         *self = Self {
             mask: self.mask | lanes,
             t: lanes.select(other.t, self.t),
@@ -188,7 +166,19 @@ mod tests {
             assert_eq!(hit.lane(lane).to_bits(), Hit::MISS.to_bits());
             assert_eq!(Hit::<f32x8>::new(Mask8::none(), nan, nan, nan).lane(lane).to_bits(), Hit::MISS.to_bits());
         }
-        assert_eq!(Hit::<f32>::new(false, f32::NAN, f32::NAN, f32::NAN).to_bits(), Hit::MISS.to_bits());
+        let sharp = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0];
+        for t in sharp {
+            for u in sharp {
+                for v in sharp {
+                    let numbers = !(t.is_nan() || u.is_nan() || v.is_nan());
+                    assert_eq!(Hit::<f32>::new(false, t, u, v).to_bits(), Hit::MISS.to_bits());
+                    assert_eq!(Hit::<f32>::new(true, t, u, v).mask, numbers, "{t} {u} {v}");
+                    let eight = [t, u, v].map(f32x8::splat);
+                    let packet = Hit::<f32x8>::new(Mask8::all_lanes(), eight[0], eight[1], eight[2]);
+                    assert_eq!(packet.lane(7).to_bits(), Hit::<f32>::new(true, t, u, v).to_bits());
+                }
+            }
+        }
     }
 
     #[test]
@@ -217,18 +207,5 @@ mod tests {
                 assert_eq!((hit.mask, hit.to_bits()), (expected.mask, expected.to_bits()));
             }
         }
-    }
-
-    #[test]
-    fn closest_finds_the_first_lane_among_ties_and_misses() {
-        let hits = |t: [f32; 8], primitive: [u32; 8]| Hit::<f32x8> {
-            primitive: u32x8::new(primitive),
-            ..Hit::<f32x8>::new(Mask8::from_lanes(t.map(|t| t < 9.0)), f32x8::new(t), f32x8::ZERO, f32x8::ZERO)
-        };
-        let closest = |t, primitive| hits(t, primitive).closest().primitive;
-        assert_eq!(closest([3.0, 2.0, 1.0, 4.0, 5.0, 6.0, 7.0, 8.0], [0, 1, 2, 3, 4, 5, 6, 7]), 2);
-        assert_eq!(closest([3.0, 1.0, 9.0, 1.0, 9.0, 1.0, 2.0, 9.0], [0, 7, 9, 3, 9, 5, 6, 9]), 3);
-        assert_eq!(closest([-0.0, 0.0, 1.0, 9.0, 9.0, 9.0, 9.0, 9.0], [5, 4, 0, 9, 9, 9, 9, 9]), 4);
-        assert_eq!(hits([9.0; 8], [u32::MAX; 8]).closest().to_bits(), Hit::MISS.to_bits());
     }
 }

@@ -1,12 +1,14 @@
 //! Rays, hits and shapes: plain data, generic over the lane type. [`lanes`] is the arithmetic that keeps twins
 //! identical, and [`transform`] the affine transforms.
 
+mod candidate;
 mod hit;
 pub mod lanes;
 mod ray;
 mod shapes;
 pub mod transform;
 
+pub use candidate::Candidate;
 pub use hit::Hit;
 pub use lanes::{Lanes, Mask8, Vec3x8};
 pub use ray::Ray;

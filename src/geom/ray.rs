@@ -31,6 +31,19 @@ impl Ray<f32> {
         Self { origin, dir, t_min: 0.0, t_max: f32::INFINITY }
     }
 
+    /// The ray of eight numbers `ox oy oz t_min dx dy dz t_max`, in the order of memory and of ray files.
+    #[inline]
+    pub fn from_array([ox, oy, oz, t_min, dx, dy, dz, t_max]: [f32; 8]) -> Self {
+        Self { origin: Vec3::new(ox, oy, oz), t_min, dir: Vec3::new(dx, dy, dz), t_max }
+    }
+
+    /// The eight numbers of [`Ray::from_array`].
+    #[inline]
+    pub fn to_array(&self) -> [f32; 8] {
+        let Self { origin: o, t_min, dir: d, t_max } = self;
+        [o.x, o.y, o.z, *t_min, d.x, d.y, d.z, *t_max]
+    }
+
     /// A ray that misses everything: it fills the unused lanes of a partial packet. It has a direction, because kernels
     /// may take a slow way for rays without one.
     pub const INACTIVE: Self =

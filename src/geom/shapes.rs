@@ -6,22 +6,29 @@ use glam::{Affine3, Vec2, Vec3};
 pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
     /// Name of its family of kernels: the first part of their IDs.
     const FAMILY: &'static str;
+    /// A shape that every ray misses: it fills unused lanes of eight primitives.
+    const MISSED: Self;
 }
 
 impl Shape for Aabb {
     const FAMILY: &'static str = "aabb";
+    const MISSED: Self = Self::EMPTY;
 }
 
 impl Shape for Triangle {
     const FAMILY: &'static str = "triangle";
+    const MISSED: Self = Self { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN };
 }
 
 impl Shape for Quadric {
     const FAMILY: &'static str = "quadric";
+    const MISSED: Self =
+        Self { squares: Vec3::NAN, products: Vec3::NAN, linear: Vec3::NAN, constant: f32::NAN, clip: Aabb::EMPTY };
 }
 
 impl<S: Shape> Shape for Placed<S> {
     const FAMILY: &'static str = "instance";
+    const MISSED: Self = Self { shape: S::MISSED, object_to_world: Affine3::IDENTITY };
 }
 
 /// A triangle. Seen from its front side, to which its normal points, the vertices are in counter-clockwise order.
@@ -79,17 +86,30 @@ impl Aabb {
     /// The box that contains nothing. It grows to exactly the first point that it includes.
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
-    /// The smallest box around this box and `point`. `point` must not be NaN.
+    /// Whether the box contains no point, or holds a NaN.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        let (lo, hi) = (self.lo, self.hi);
+        !((lo.x <= hi.x) & (lo.y <= hi.y) & (lo.z <= hi.z))
+    }
+
+    /// The smallest box around this box and `point`. A point that holds a NaN adds nothing.
     #[inline]
     #[must_use]
     pub fn including(&self, point: Vec3) -> Self {
-        Self { lo: self.lo.min(point), hi: self.hi.max(point) }
+        self.union(&Self { lo: point, hi: point })
     }
 
-    /// The smallest box around both boxes.
+    /// The smallest box around both boxes. An empty box adds nothing.
     #[inline]
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
+        self.or_empty().around(&other.or_empty())
+    }
+
+    /// [`Aabb::union`] for boxes that are [`Aabb::EMPTY`] if they are empty.
+    #[inline]
+    pub(crate) fn around(&self, other: &Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
@@ -97,26 +117,25 @@ impl Aabb {
     #[inline]
     #[must_use]
     pub fn or_empty(&self) -> Self {
-        let (lo, hi) = (self.lo, self.hi);
-        if (lo.x <= hi.x) & (lo.y <= hi.y) & (lo.z <= hi.z) { *self } else { Self::EMPTY }
+        if self.is_empty() { Self::EMPTY } else { *self }
     }
 
-    /// `hi - lo`.
+    /// `hi - lo`. Zero if the box is empty.
     #[inline]
     pub fn extent(&self) -> Vec3 {
-        self.hi - self.lo
+        if self.is_empty() { Vec3::ZERO } else { self.hi - self.lo }
     }
 
-    /// Length of the diagonal. In `f64` it neither overflows nor vanishes.
+    /// Length of the diagonal. In `f64` it neither overflows nor vanishes. Zero if the box is empty.
     #[inline]
     pub fn diagonal(&self) -> f64 {
-        (self.hi.as_dvec3() - self.lo.as_dvec3()).length()
+        if self.is_empty() { 0.0 } else { (self.hi.as_dvec3() - self.lo.as_dvec3()).length() }
     }
 
-    /// The middle.
+    /// The middle. Zero if the box is empty.
     #[inline]
     pub fn center(&self) -> Vec3 {
-        self.lo * 0.5 + self.hi * 0.5
+        if self.is_empty() { Vec3::ZERO } else { self.lo * 0.5 + self.hi * 0.5 }
     }
 }
 
@@ -319,7 +338,18 @@ mod tests {
             let turned = [(a, b, c), (b, c, a), (c, a, b)][rotation];
             assert_eq!(Triangle { v0: turned.0, v1: turned.1, v2: turned.2 }.bounds(), Aabb::EMPTY);
         }
-        assert_eq!(Aabb { lo: Vec3::ONE, hi: Vec3::new(2.0, 0.5, 2.0) }.or_empty(), Aabb::EMPTY);
+        let upside_down = Aabb { lo: Vec3::ONE, hi: Vec3::new(2.0, 0.5, 2.0) };
+        let holding_nan = Aabb { lo: Vec3::ZERO, hi: Vec3::new(1.0, f32::NAN, 1.0) };
+        let unit = Aabb { lo: Vec3::ZERO, hi: Vec3::ONE };
+        for empty in [upside_down, holding_nan, Aabb::EMPTY] {
+            assert_eq!(empty.or_empty(), Aabb::EMPTY);
+            assert_eq!((empty.extent(), empty.diagonal(), empty.center()), (Vec3::ZERO, 0.0, Vec3::ZERO));
+            assert_eq!((empty.union(&unit), unit.union(&empty)), (unit, unit));
+            assert_eq!(empty.including(Vec3::X), Aabb { lo: Vec3::X, hi: Vec3::X });
+            assert_eq!(empty.union(&empty), Aabb::EMPTY);
+        }
+        assert_eq!(unit.including(Vec3::new(2.0, f32::NAN, 0.0)), unit);
+        assert_eq!((unit.center(), unit.extent()), (Vec3::splat(0.5), Vec3::ONE));
         let flat = Aabb { lo: Vec3::ZERO, hi: Vec3::new(1.0, 0.0, 1.0) };
         assert_eq!(flat.or_empty(), flat);
     }

@@ -115,6 +115,7 @@ pub enum Transform2 {
 
 /// A transform without inverse or without meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct InvalidTransform<T> {
     /// The transform that was refused.
     pub transform: T,

@@ -15,6 +15,7 @@
 mod prepared;
 
 pub mod aabb;
+pub mod box_rule;
 pub mod instance;
 pub mod quadric;
 pub mod triangle;
@@ -24,7 +25,7 @@ use wide::f32x8;
 
 use self::aabb::Slabs;
 pub use crate::geom::Shape;
-use crate::geom::{Hit, Lanes, Ray};
+use crate::geom::{Candidate, Hit, Lanes, Ray};
 
 /// Anything that one ray (`L = f32`) or eight (`L = f32x8`) can be intersected with: a prepared primitive, an
 /// instance, a whole scene.
@@ -37,20 +38,19 @@ pub trait Intersect<L: Lanes> {
     /// Computes the per-ray data.
     fn setup(ray: &Ray<L>) -> Self::Setup;
 
-    /// Like [`Intersect::closest_hit`], but cheaper: in lanes that miss, only `mask` is defined. The rest may be
-    /// anything, also NaN. A single ray that misses returns [`Hit::MISS`].
-    fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L>;
+    /// Like [`Intersect::closest_hit`], but cheaper: lanes that miss may hold anything. For a loop over primitives.
+    fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Candidate<L>;
 
     /// The closest hit within the ray's interval. `setup` must be that of the same ray.
     #[inline(always)]
     fn closest_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L> {
-        L::or_miss(self.candidate(ray, setup))
+        self.candidate(ray, setup).or_miss()
     }
 
     /// Which rays hit anything within their interval: the mask of [`Intersect::closest_hit`], possibly for less work.
     #[inline(always)]
     fn any_hit(&self, ray: &Ray<L>, setup: &Self::Setup) -> L::Mask {
-        self.candidate(ray, setup).mask
+        self.candidate(ray, setup).mask()
     }
 
     /// [`Intersect::closest_hit`] with setup and test in one call, for a ray that is tested once.
@@ -76,6 +76,21 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
     /// Lane `i` becomes `primitives[i]`.
     fn gather(primitives: &[Self; 8]) -> Self::Packet;
 
+    /// A primitive that every ray misses.
+    fn missed() -> Self {
+        Self::prepare(&Self::Shape::MISSED)
+    }
+
+    /// Lane `i` becomes `primitives[i]`. The lanes beyond the last primitive become [`Kernel::missed`].
+    ///
+    /// # Panics
+    /// If there are more than eight primitives.
+    fn gather_partial(primitives: &[Self]) -> Self::Packet {
+        let mut lanes = [Self::missed(); 8];
+        lanes[..primitives.len()].copy_from_slice(primitives);
+        Self::gather(&lanes)
+    }
+
     /// The primitive that [`Kernel::gather`] put into a lane.
     ///
     /// # Panics
@@ -91,7 +106,7 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
         lane: usize,
         ray: &Ray<f32x8>,
         setup: &<Self as Intersect<f32x8>>::Setup,
-    ) -> Hit<f32x8> {
+    ) -> Candidate<f32x8> {
         Intersect::<f32x8>::candidate(&Self::lane(packet, lane), ray, setup)
     }
 
@@ -105,6 +120,7 @@ pub trait Kernel: Intersect<f32> + Intersect<f32x8> + Copy + core::fmt::Debug + 
 
 /// What a kernel says about itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Info {
     /// Name, as used in tests, benches, records, charts and on the command line.
     pub id: Id,
@@ -120,8 +136,36 @@ pub struct Info {
     pub claims: &'static [Claim],
 }
 
+impl Info {
+    /// What a kernel says that claims nothing and counts no operations. `method` is `family/name`, `idea` one line, and
+    /// `source` gives authors, title and year.
+    pub const fn new(method: &'static str, idea: &'static str, source: &'static str) -> Self {
+        let (operations, setup) = (Operations::NONE, Operations::NONE);
+        Self { id: Id::of(method), idea, source, operations, setup, claims: &[] }
+    }
+
+    /// With this arithmetic per test.
+    #[must_use]
+    pub const fn with_operations(self, operations: Operations) -> Self {
+        Self { operations, ..self }
+    }
+
+    /// With this arithmetic per ray.
+    #[must_use]
+    pub const fn with_setup(self, setup: Operations) -> Self {
+        Self { setup, ..self }
+    }
+
+    /// With these promises.
+    #[must_use]
+    pub const fn with_claims(self, claims: &'static [Claim]) -> Self {
+        Self { claims, ..self }
+    }
+}
+
 /// Name of a kernel: `family/name`. For an instance the name of the inner kernel follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Id {
     /// `family/name`.
     pub method: &'static str,
@@ -145,6 +189,7 @@ impl core::fmt::Display for Id {
 
 /// Floating-point operations of one test that runs to its end. Selections, logic and conversions are not counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Operations {
     /// Multiplications, in `f32` and `f64` together. The next fields count both too.
     pub mul: u32,
@@ -164,6 +209,7 @@ pub struct Operations {
 
 /// The part of [`Operations`] that is in `f64`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct DoubleOperations {
     /// Multiplications.
     pub mul: u32,
@@ -178,12 +224,40 @@ pub struct DoubleOperations {
 impl DoubleOperations {
     /// None.
     pub const NONE: Self = Self { mul: 0, add: 0, compare: 0, div: 0 };
+
+    /// Multiplications, additions, comparisons and divisions.
+    pub const fn new(mul: u32, add: u32, compare: u32, div: u32) -> Self {
+        Self { mul, add, compare, div }
+    }
 }
 
 impl Operations {
     /// None.
     pub const NONE: Self =
         Self { mul: 0, add: 0, compare: 0, div: 0, fused: 0, reads: 0, double: DoubleOperations::NONE };
+
+    /// Multiplications, additions, comparisons and divisions.
+    pub const fn new(mul: u32, add: u32, compare: u32, div: u32) -> Self {
+        Self { mul, add, compare, div, ..Self::NONE }
+    }
+
+    /// With so many multiplications that are fused with an addition.
+    #[must_use]
+    pub const fn with_fused(self, fused: u32) -> Self {
+        Self { fused, ..self }
+    }
+
+    /// With so many numbers read.
+    #[must_use]
+    pub const fn with_reads(self, reads: u32) -> Self {
+        Self { reads, ..self }
+    }
+
+    /// With this part in `f64`.
+    #[must_use]
+    pub const fn with_double(self, double: DoubleOperations) -> Self {
+        Self { double, ..self }
+    }
 
     /// The sum of both.
     pub const fn and(self, other: Self) -> Self {
@@ -217,6 +291,7 @@ impl Operations {
 /// own coordinates. They also exclude rays that start inside a box but 1e7 times the surface's size away from the
 /// surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Claim {
     /// A ray through an edge of two triangles hits at least one of them.
     EdgeWatertight,

@@ -211,14 +211,7 @@ fn parse_record_name(text: &str) -> Result<String, String> {
 
 /// Accepts the names of the modes.
 fn mode_parser() -> impl TypedValueParser<Value = Mode> {
-    let value = |mode: Mode| {
-        PossibleValue::new(mode.name()).help(match mode {
-            Mode::Scalar => "One ray at a time, with scalar code: the reference",
-            Mode::Single => "One ray at a time, against eight boxes or eight triangles at once",
-            Mode::Packet => "Similar rays in blocks, the others in packets of eight",
-            Mode::Auto => "Similar rays in blocks, the others in streams or packets, whichever suits the scene",
-        })
-    };
+    let value = |mode: Mode| PossibleValue::new(mode.name()).help(mode.about());
     let mode =
         |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
     PossibleValuesParser::new(Mode::ALL.map(value)).map(mode)

@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<St
         } else {
             [kernels.triangle, other.triangle]
         };
-        let Differences { only_first, only_second, other_primitive, other_t } = differences;
+        let Differences { only_first, only_second, other_primitive, other_t, .. } = differences;
         Ok(format!(
             "{} of {} pixels differ: {only_first} are hit by {first} only (red), {only_second} by {second} only \
              (blue), and {other_primitive} show different primitives or instances (yellow); see {}\n\

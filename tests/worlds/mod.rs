@@ -123,6 +123,7 @@ fn target(random: &mut Random, geometry: &Geometry) -> (Vec3, Vec3) {
             let target = lo + (hi - lo) * (vec3(random) * 0.25 + 0.5);
             (target, pick(random, &Vec3::AXES) * (hi - lo))
         }
+        other => unreachable!("no rays for {other:?}"),
     }
 }
 

@@ -1,8 +1,112 @@
 //! Masks of eight lanes: the outcomes of comparisons and sign tests, and selection by them.
 
+use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
 
 use wide::{f32x8, u32x8};
+
+use super::Lanes;
+
+/// The outcome of a comparison: `bool` for one lane, [`Mask8`] for eight.
+pub trait Mask<L: Lanes>:
+    Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> + Send + Sync + 'static
+{
+    /// Lane `i` as bit `i`. The other bits are zero.
+    fn bits(self) -> u32;
+
+    /// `if lane { if_set } else { if_clear }`, lane by lane.
+    fn select(self, if_set: L, if_clear: L) -> L;
+
+    /// [`Mask::select`] for primitive numbers.
+    fn select_index(self, if_set: L::Index, if_clear: L::Index) -> L::Index;
+
+    /// Whether any lane is set.
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+
+    /// Whether all lanes are set.
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == (1 << L::LANES) - 1
+    }
+
+    /// Whether a lane is set.
+    ///
+    /// # Panics
+    /// If `lane >= L::LANES`.
+    #[inline(always)]
+    fn lane(self, lane: usize) -> bool {
+        assert!(lane < L::LANES, "a mask of {} lanes, asked for lane {lane}", L::LANES);
+        self.bits() >> lane & 1 == 1
+    }
+
+    /// The lanes that are set, in order.
+    #[inline(always)]
+    fn set_lanes(self) -> SetLanes {
+        SetLanes(self.bits())
+    }
+}
+
+/// The lanes of a mask that are set, in order; see [`Mask::set_lanes`].
+#[derive(Clone, Debug)]
+pub struct SetLanes(u32);
+
+impl Iterator for SetLanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        (self.0 != 0).then(|| {
+            self.0 &= self.0 - 1;
+            lane
+        })
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let lanes = self.0.count_ones() as usize;
+        (lanes, Some(lanes))
+    }
+}
+
+impl ExactSizeIterator for SetLanes {}
+
+impl Mask<f32> for bool {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self)
+    }
+
+    #[inline(always)]
+    fn select(self, if_set: f32, if_clear: f32) -> f32 {
+        if self { if_set } else { if_clear }
+    }
+
+    #[inline(always)]
+    fn select_index(self, if_set: u32, if_clear: u32) -> u32 {
+        if self { if_set } else { if_clear }
+    }
+}
+
+impl Mask<f32x8> for Mask8 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        Self::bits(self)
+    }
+
+    #[inline(always)]
+    fn select(self, if_set: f32x8, if_clear: f32x8) -> f32x8 {
+        Self::select(self, if_set, if_clear)
+    }
+
+    #[inline(always)]
+    fn select_index(self, if_set: u32x8, if_clear: u32x8) -> u32x8 {
+        self.select_u32(if_set, if_clear)
+    }
+}
 
 /// The outcomes of eight comparisons. Only comparisons make a mask, so selection by it is well defined on every target.
 #[derive(Clone, Copy, Debug)]
@@ -183,6 +287,8 @@ mod tests {
         assert!((even | !even).all() && !(even & !even).any());
         let chosen = even.select(f32x8::splat(1.0), f32x8::splat(-0.0)).to_array();
         assert_eq!(chosen.map(f32::to_bits), [1.0, -0.0, 1.0, -0.0, 1.0, -0.0, 1.0, -0.0].map(f32::to_bits));
+        assert!(Mask::set_lanes(even).eq([0, 2, 4, 6]) && Mask::set_lanes(Mask8::none()).len() == 0);
+        assert!(Mask::<f32>::all(true) && !Mask::<f32>::any(false) && Mask::<f32>::set_lanes(true).eq([0]));
         let numbers = even.select_u32(u32x8::splat(7), u32x8::splat(u32::MAX)).to_array();
         assert_eq!(numbers, [7, u32::MAX, 7, u32::MAX, 7, u32::MAX, 7, u32::MAX]);
     }

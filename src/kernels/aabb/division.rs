@@ -19,7 +19,7 @@ use wide::f32x8;
 
 use super::{Interval, Slabs, VALIDITY};
 use crate::geom::lanes::{Lanes, eq8, ge8, gt8, le8, lt8};
-use crate::geom::{Aabb, Hit, Mask8, Ray};
+use crate::geom::{Aabb, Candidate, Mask8, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -58,7 +58,7 @@ impl Intersect<f32> for Division<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Candidate<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
 
         // Start with the ray's interval.
@@ -80,7 +80,7 @@ impl Intersect<f32> for Division<f32> {
         }
 
         // Test that the interval is not empty and that no distance is NaN.
-        Hit::<f32>::select(ordered & (entry <= exit), entry, exit, 0.0)
+        Candidate::<f32>::select(ordered & (entry <= exit), entry, exit, 0.0)
     }
 }
 
@@ -93,7 +93,7 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Candidate<f32x8> {
         let Division { slabs: Slabs { lo, hi } } = self.widen();
 
         // Start with the ray's interval.
@@ -118,6 +118,6 @@ impl<P: Lanes> Intersect<f32x8> for Division<P> {
         }
 
         // Test that the interval is not empty and that no distance is NaN.
-        Hit::<f32x8>::candidate(ordered & le8(entry, exit), entry, exit, f32x8::ZERO)
+        Candidate::<f32x8>::new(ordered & le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -25,7 +25,7 @@ use wide::f32x8;
 
 use super::{InverseDirection, Slabs};
 use crate::geom::lanes::{Lanes, Vec3x8, le8, lt8, max, max8, min, min8, mul_add, mul_add8, sign_bit, sign_bit8};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Aabb, Candidate, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -39,13 +39,13 @@ prepared! {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset<L: Lanes> {
     /// `1 / dir`.
-    pub inv_dir: L::Vec3,
+    inv_dir: L::Vec3,
     /// `-(origin · inv_dir)`.
-    pub offset: L::Vec3,
+    offset: L::Vec3,
     /// Least `t` of the ray's interval, or of an empty one.
-    pub t_min: L,
+    t_min: L,
     /// Greatest `t` of the ray's interval, or of an empty one.
-    pub t_max: L,
+    t_max: L,
 }
 
 impl Kernel for Fused<f32> {
@@ -83,7 +83,7 @@ impl Intersect<f32> for Fused<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, _: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, _: &Ray<f32>, setup: &Self::Setup) -> Candidate<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
 
         // Start with the ray's interval.
@@ -99,7 +99,7 @@ impl Intersect<f32> for Fused<f32> {
         }
 
         // Test that the interval is not empty.
-        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
+        Candidate::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 
@@ -121,7 +121,7 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, _: &Ray<f32x8>, setup: &Self::Setup) -> Candidate<f32x8> {
         let Fused { slabs: Slabs { lo, hi } } = self.widen();
 
         // Start with the ray's interval.
@@ -141,6 +141,6 @@ impl<P: Lanes> Intersect<f32x8> for Fused<P> {
         }
 
         // Test that the interval is not empty.
-        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Candidate::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -59,11 +59,11 @@ impl Slabs<f32> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDirection<L: Lanes> {
     /// `1 / dir`, with `±∞` for `±0`.
-    pub inv_dir: L::Vec3,
+    pub(crate) inv_dir: L::Vec3,
     /// Least `t` of the ray's interval, or of an empty one.
-    pub t_min: L,
+    pub(crate) t_min: L,
     /// Greatest `t` of the ray's interval, or of an empty one.
-    pub t_max: L,
+    pub(crate) t_max: L,
 }
 
 /// Operations of [`Ray::is_valid`].
@@ -95,9 +95,9 @@ impl InverseDirection<f32x8> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval<L: Lanes> {
     /// Least `t`.
-    pub t_min: L,
+    pub(super) t_min: L,
     /// Greatest `t`.
-    pub t_max: L,
+    pub(super) t_max: L,
 }
 
 impl Interval<f32> {

@@ -22,7 +22,7 @@ use wide::f32x8;
 
 use super::{InverseDirection, Slabs, slab_interval, slab_interval8};
 use crate::geom::lanes::{Lanes, le8, max, max8, min, min8};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Aabb, Candidate, Ray};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
 /// Factor for a positive exit distance: 1 + 2γ₃, rounded up. γ₃ = 3ε / (1 - 3ε), ε = 2⁻²⁴, bounds the relative error
@@ -79,7 +79,7 @@ impl Intersect<f32> for Padded<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Candidate<f32> {
         let Self { slabs } = self;
 
         // Cut the ray's interval by the slabs.
@@ -89,7 +89,7 @@ impl Intersect<f32> for Padded<f32> {
         let exit = pad(exit, setup.t_max);
 
         // Test that the interval is not empty.
-        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
+        Candidate::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 
@@ -102,7 +102,7 @@ impl<P: Lanes> Intersect<f32x8> for Padded<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Candidate<f32x8> {
         let Padded { slabs } = self.widen();
 
         // Cut the ray's interval by the slabs.
@@ -112,6 +112,6 @@ impl<P: Lanes> Intersect<f32x8> for Padded<P> {
         let exit = pad8(exit, setup.t_max);
 
         // Test that the interval is not empty.
-        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Candidate::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

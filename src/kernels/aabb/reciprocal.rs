@@ -23,7 +23,7 @@ use wide::f32x8;
 
 use super::{InverseDirection, Slabs};
 use crate::geom::lanes::{Lanes, le8, max, max8, min, min8};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Aabb, Candidate, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -66,7 +66,7 @@ impl Intersect<f32> for Reciprocal<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Candidate<f32> {
         let Self { slabs: Slabs { lo, hi } } = *self;
 
         // Start with the ray's interval.
@@ -82,7 +82,7 @@ impl Intersect<f32> for Reciprocal<f32> {
         }
 
         // Test that the interval is not empty.
-        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
+        Candidate::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 
@@ -98,7 +98,7 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Candidate<f32x8> {
         let Reciprocal { slabs: Slabs { lo, hi } } = self.widen();
 
         // Start with the ray's interval.
@@ -117,6 +117,6 @@ impl<P: Lanes> Intersect<f32x8> for Reciprocal<P> {
         }
 
         // Test that the interval is not empty.
-        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Candidate::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

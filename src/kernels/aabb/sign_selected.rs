@@ -17,7 +17,7 @@ use wide::f32x8;
 
 use super::{InverseDirection, Slabs, slab_interval, slab_interval8};
 use crate::geom::lanes::{Lanes, le8};
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Aabb, Candidate, Ray};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -55,14 +55,14 @@ impl Intersect<f32> for SignSelected<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Candidate<f32> {
         let Self { slabs } = self;
 
         // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval(slabs, ray.origin, setup);
 
         // Test that the interval is not empty.
-        Hit::<f32>::select(entry <= exit, entry, exit, 0.0)
+        Candidate::<f32>::select(entry <= exit, entry, exit, 0.0)
     }
 }
 
@@ -75,13 +75,13 @@ impl<P: Lanes> Intersect<f32x8> for SignSelected<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Candidate<f32x8> {
         let SignSelected { slabs } = self.widen();
 
         // Cut the ray's interval by the slabs.
         let (entry, exit) = slab_interval8(&slabs, ray.origin, setup);
 
         // Test that the interval is not empty.
-        Hit::<f32x8>::candidate(le8(entry, exit), entry, exit, f32x8::ZERO)
+        Candidate::<f32x8>::new(le8(entry, exit), entry, exit, f32x8::ZERO)
     }
 }

@@ -21,7 +21,7 @@
 use glam::Vec3;
 
 use super::inverse_linear;
-use crate::geom::{Hit, Lanes, Placed, Ray, Triangle};
+use crate::geom::{Candidate, Lanes, Placed, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel};
 
 /// A primitive prepared in the world, or eight.
@@ -38,7 +38,7 @@ impl<L: Lanes, T: Intersect<L>> Intersect<L> for Baked<T> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Hit<L> {
+    fn candidate(&self, ray: &Ray<L>, setup: &Self::Setup) -> Candidate<L> {
         self.0.candidate(ray, setup)
     }
 

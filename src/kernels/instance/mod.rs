@@ -18,7 +18,7 @@ pub use subtract_first::SubtractFirst;
 use glam::{Affine3, DMat3, Mat3, Vec3};
 use wide::f32x8;
 
-use crate::geom::{Hit, Lanes, Placed, Ray, Vec3x8};
+use crate::geom::{Candidate, Lanes, Placed, Ray, Vec3x8};
 use crate::kernels::{Id, Info, Intersect, Kernel};
 
 /// An instance of anything that can be intersected, with `W` one transform. Or eight instances of eight prepared
@@ -101,6 +101,7 @@ pub trait TransformMethod:
 /// A transform without inverse. It is singular or not finite, or its inverse exceeds the range of the numbers that
 /// would store it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SingularTransform {
     /// The transform that was refused.
     pub transform: Affine3,
@@ -169,7 +170,7 @@ impl<L: Lanes, T: Intersect<L>, W: RayTransform<L>> Intersect<L> for Instance<T,
     fn setup(_: &Ray<L>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<L>, (): &()) -> Hit<L> {
+    fn candidate(&self, ray: &Ray<L>, (): &()) -> Candidate<L> {
         // Transform the ray into the object's space.
         let ray = self.world_to_object.ray_to_object(ray);
 

@@ -43,7 +43,7 @@ use crate::geom::lanes::{
     Lanes, Mask64, dot_f64x8, double8, ge64, le8, le64, lt8, lt64, sign_bit_f64x8, sqrt_f64, sqrt_f64x8, to_f32x8,
     to_f64x8,
 };
-use crate::geom::{Hit, Quadric, Ray};
+use crate::geom::{Candidate, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
@@ -91,7 +91,7 @@ impl Intersect<f32> for QuadricF64<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Candidate<f32> {
         let Self { form, clip } = self;
 
         // Find where the ray runs through the box.
@@ -127,7 +127,7 @@ impl Intersect<f32> for QuadricF64<f32> {
 
         // Test that t is finite and that the box is hit at all.
         let in_range = (t.abs() < f32::INFINITY) & (interval.entry <= interval.exit);
-        Hit::<f32>::new((first | second) & in_range, interval.report(t), 0.0, 0.0)
+        Candidate::<f32>::new((first | second) & in_range, interval.report(t), 0.0, 0.0)
     }
 }
 
@@ -140,7 +140,7 @@ impl<P: Lanes> Intersect<f32x8> for QuadricF64<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Candidate<f32x8> {
         let QuadricF64 { form, clip } = self.widen();
 
         // Find where the ray runs through the box.
@@ -180,6 +180,6 @@ impl<P: Lanes> Intersect<f32x8> for QuadricF64<P> {
 
         // Test that t is finite and that the box is hit at all.
         let in_range = lt8(t.abs(), f32x8::splat(f32::INFINITY)) & le8(interval.entry, interval.exit);
-        Hit::<f32x8>::candidate((first | second).narrow() & in_range, interval.report(t), f32x8::ZERO, f32x8::ZERO)
+        Candidate::<f32x8>::new((first | second).narrow() & in_range, interval.report(t), f32x8::ZERO, f32x8::ZERO)
     }
 }

@@ -31,7 +31,7 @@ use wide::f32x8;
 
 use super::{Approach, ClipInterval, Form, roots, roots8};
 use crate::geom::lanes::{Lanes, dot_f64x8, double8, to_f32x8, to_f64x8};
-use crate::geom::{Hit, Quadric, Ray};
+use crate::geom::{Candidate, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
@@ -79,7 +79,7 @@ impl Intersect<f32> for Mixed<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Candidate<f32> {
         let Self { form, clip } = self;
 
         // Find where the ray runs through the box.
@@ -111,7 +111,7 @@ impl<P: Lanes> Intersect<f32x8> for Mixed<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Candidate<f32x8> {
         let Mixed { form, clip } = self.widen();
 
         // Find where the ray runs through the box.

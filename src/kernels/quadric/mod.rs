@@ -39,7 +39,7 @@ use crate::geom::lanes::{
     DVec3x8, Lanes, Mask8, Vec3x8, dot_f64x8, double8, ge8, le8, lt8, max, max8, min, min8, power_of_two,
     power_of_two8, sign_bit, sign_bit8, sqrt, sqrt8, t_in_range, t_in_range8,
 };
-use crate::geom::{Aabb, Hit, Quadric, Ray};
+use crate::geom::{Aabb, Candidate, Quadric, Ray};
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
 use crate::kernels::{Operations, power_of_two_below};
 
@@ -103,10 +103,10 @@ impl ClipInterval<f32> {
 
     /// The nearer of the two roots, given in any order, among those that count.
     #[inline(always)]
-    fn hit(&self, [t0, t1]: [f32; 2]) -> Hit<f32> {
+    fn hit(&self, [t0, t1]: [f32; 2]) -> Candidate<f32> {
         let (first, second) = (self.contains(t0), self.contains(t1));
         let t = if first & (!second | (t0 < t1)) { t0 } else { t1 };
-        Hit::<f32>::new(first | second, self.report(t), 0.0, 0.0)
+        Candidate::<f32>::new(first | second, self.report(t), 0.0, 0.0)
     }
 
     /// Clamps a `t` that counts. No box around this one is entered later.
@@ -160,10 +160,10 @@ impl ClipInterval<f32x8> {
 
     /// [`ClipInterval::<f32>::hit`] in eight lanes.
     #[inline(always)]
-    fn hit(&self, [t0, t1]: [f32x8; 2]) -> Hit<f32x8> {
+    fn hit(&self, [t0, t1]: [f32x8; 2]) -> Candidate<f32x8> {
         let (first, second) = (self.contains(t0), self.contains(t1));
         let t = (first & (!second | lt8(t0, t1))).select(t0, t1);
-        Hit::<f32x8>::candidate(first | second, self.report(t), f32x8::ZERO, f32x8::ZERO)
+        Candidate::<f32x8>::new(first | second, self.report(t), f32x8::ZERO, f32x8::ZERO)
     }
 
     /// [`ClipInterval::<f32>::report`] in eight lanes.

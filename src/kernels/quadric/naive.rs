@@ -27,7 +27,7 @@ use wide::f32x8;
 
 use super::ClipInterval;
 use crate::geom::lanes::{Lanes, Vec3x8, eq8, sqrt, sqrt8};
-use crate::geom::{Hit, Quadric, Ray};
+use crate::geom::{Candidate, Quadric, Ray};
 use crate::kernels::aabb::{InverseDirection, Slabs};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -101,7 +101,7 @@ impl Intersect<f32> for Naive<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Self::Setup) -> Candidate<f32> {
         let Self { squares, products, linear, constant, clip } = *self;
 
         // Put the ray into the surface's equation: a·t² + b·t + c = 0.
@@ -128,7 +128,7 @@ impl<P: Lanes> Intersect<f32x8> for Naive<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Self::Setup) -> Candidate<f32x8> {
         let Naive { squares, products, linear, constant, clip } = self.widen();
 
         // Put the ray into the surface's equation: a·t² + b·t + c = 0.

@@ -44,7 +44,7 @@ use wide::f32x8;
 
 use super::{Approach, ClipInterval, Form, center, roots, roots8};
 use crate::geom::lanes::Lanes;
-use crate::geom::{Hit, Quadric, Ray};
+use crate::geom::{Candidate, Quadric, Ray};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -86,7 +86,7 @@ impl Intersect<f32> for Stable<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Approach<f32>) -> Candidate<f32> {
         let Self { form, center, clip } = self;
 
         // Find where the ray runs through the box.
@@ -118,7 +118,7 @@ impl<P: Lanes> Intersect<f32x8> for Stable<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Approach<f32x8>) -> Candidate<f32x8> {
         let Stable { form, center, clip } = self.widen();
 
         // Find where the ray runs through the box.

@@ -25,7 +25,7 @@ use wide::f32x8;
 
 use super::{barycentrics_inside, barycentrics_inside8, normal};
 use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -76,7 +76,7 @@ impl Intersect<f32> for BaldwinWeber<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
         let Self { u_row, u0, v_row, v0, n_row, n0 } = *self;
 
         // Intersect the plane. A ray parallel to it divides by zero: t is infinite or NaN.
@@ -89,11 +89,11 @@ impl Intersect<f32> for BaldwinWeber<f32> {
 
         // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Test the range of t.
-        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -104,7 +104,7 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
         let BaldwinWeber { u_row, u0, v_row, v0, n_row, n0 } = self.widen();
 
         // Intersect the plane. A ray parallel to it divides by zero: t is infinite or NaN.
@@ -119,6 +119,6 @@ impl<P: Lanes> Intersect<f32x8> for BaldwinWeber<P> {
         let inside = barycentrics_inside8(u, v);
 
         // Test the range of t.
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32x8>::new(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

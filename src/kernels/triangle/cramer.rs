@@ -25,7 +25,7 @@ use wide::f32x8;
 
 use super::{Vertices, barycentrics_inside, barycentrics_inside8, representable};
 use crate::geom::lanes::{Lanes, Vec3x8, t_in_range, t_in_range8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
@@ -80,7 +80,7 @@ impl Intersect<f32> for Cramer<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
         let Self { vertices: Vertices { v0, v1, v2 } } = *self;
 
         // Set up the system (v0 - v1)·β + (v0 - v2)·γ + dir·t = v0 - origin.
@@ -93,12 +93,12 @@ impl Intersect<f32> for Cramer<f32> {
 
         // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Solve it for t and test the range.
         let t = determinant(a, b, s) / det;
-        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -109,7 +109,7 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
         let Cramer { vertices: Vertices { v0, v1, v2 } } = self.widen();
 
         // Set up the system (v0 - v1)·β + (v0 - v2)·γ + dir·t = v0 - origin.
@@ -125,6 +125,6 @@ impl<P: Lanes> Intersect<f32x8> for Cramer<P> {
 
         // Solve it for t and test the range.
         let t = determinant8(a, b, s) / det;
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32x8>::new(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

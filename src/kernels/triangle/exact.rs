@@ -66,7 +66,7 @@ use wide::f32x8;
 
 use super::{Vertices, normal};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, ge8, gt8, le8, max, max8, min, min8, sqrt, sqrt8, t_in_range};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::volume::{plane_t, volume};
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -121,7 +121,7 @@ impl Intersect<f32> for Exact<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Candidate<f32> {
         self.test::<Closed, Separate, false>(ray, *setup)
     }
 }
@@ -135,7 +135,7 @@ impl<P: Lanes> Intersect<f32x8> for Exact<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Candidate<f32x8> {
         self.test8::<Closed, Separate, false>(ray, *setup)
     }
 }
@@ -177,7 +177,7 @@ macro_rules! variant {
             }
 
             #[inline(always)]
-            fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Hit<f32> {
+            fn candidate(&self, ray: &Ray<f32>, setup: &f32) -> Candidate<f32> {
                 self.exact.test::<$rule, $arithmetic, $precise>(ray, *setup)
             }
         }
@@ -191,7 +191,7 @@ macro_rules! variant {
             }
 
             #[inline(always)]
-            fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Hit<f32x8> {
+            fn candidate(&self, ray: &Ray<f32x8>, setup: &f32x8) -> Candidate<f32x8> {
                 self.widen().exact.test8::<$rule, $arithmetic, $precise>(ray, *setup)
             }
         }
@@ -306,7 +306,11 @@ impl Exact<f32> {
 
     /// The scalar twin. `PRECISE` if the `t` of a hit must be.
     #[inline(always)]
-    pub(super) fn test<R: Rule, A: Arithmetic, const PRECISE: bool>(&self, ray: &Ray<f32>, setup: f32) -> Hit<f32> {
+    pub(super) fn test<R: Rule, A: Arithmetic, const PRECISE: bool>(
+        &self,
+        ray: &Ray<f32>,
+        setup: f32,
+    ) -> Candidate<f32> {
         let Self { vertices: Vertices { v0, v1, v2 }, size, near, e1, e2, n } = *self;
 
         // Compute the shared cross product and the determinants.
@@ -322,7 +326,7 @@ impl Exact<f32> {
         let reach = c.x.abs() + c.y.abs() + c.z.abs() + size;
         let bound = setup * reach;
         if smallest < -bound {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Compute the barycentrics and t.
@@ -338,7 +342,7 @@ impl Exact<f32> {
         let near = near * reach;
         let precise = !PRECISE | !hit | (height.abs() > near * PRECISE_T);
         if (smallest > bound) & (height.abs() > near) & precise {
-            return Hit::<f32>::new(hit, t, u, v);
+            return Candidate::<f32>::new(hit, t, u, v);
         }
         decide::<R>([v0, v1, v2], ray)
     }
@@ -357,7 +361,7 @@ impl<P: Lanes> Exact<P> {
         &self,
         ray: &Ray<f32x8>,
         setup: f32x8,
-    ) -> Hit<f32x8> {
+    ) -> Candidate<f32x8> {
         let Exact { vertices: Vertices { v0, .. }, size, near, e1, e2, n } = self.widen();
 
         // Compute the shared cross product and the determinants.
@@ -386,7 +390,7 @@ impl<P: Lanes> Exact<P> {
         if PRECISE {
             sure = sure & (!hit | gt8(height.abs(), near * f32x8::splat(PRECISE_T)));
         }
-        let hit = Hit::<f32x8>::candidate(hit, t, u, v);
+        let hit = Candidate::<f32x8>::new(hit, t, u, v);
 
         // Decide again what is not sure. Copies are handed over: of values whose address is taken, the others would be
         // copies in memory, and a packet would take 1.1 times as long.
@@ -421,22 +425,22 @@ impl Rule for Closed {
 /// The second and third stage: the test in `f64`, with exact signs.
 #[cold]
 #[inline(never)]
-fn decide<R: Rule>(vertices: [Vec3; 3], ray: &Ray<f32>) -> Hit<f32> {
+fn decide<R: Rule>(vertices: [Vec3; 3], ray: &Ray<f32>) -> Candidate<f32> {
     if !ray.is_valid() || ray.t_min > ray.t_max {
-        return Hit::MISS;
+        return Candidate::MISS;
     }
     // Compute the weights: the volumes between the ray and the three edges.
     let corners = vertices.map(Vec3::as_dvec3);
     let ([a, b, c], o, d) = (corners, ray.origin.as_dvec3(), ray.dir.as_dvec3());
     let [u, v, w] = [[c, a], [a, b], [b, c]].map(|[p, q]| volume(&[o, p, q], d, &[d]));
     if !R::is_inside([u, v, w], corners, d) {
-        return Hit::MISS;
+        return Candidate::MISS;
     }
 
     // Compute t from the plane, and test its range.
     let t = plane_t(vertices, ray.origin, ray.dir);
     let sum = u + v + w;
-    Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, (u / sum) as f32, (v / sum) as f32)
+    Candidate::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, (u / sum) as f32, (v / sum) as f32)
 }
 
 /// Some lanes of a packet, decided again.
@@ -458,8 +462,8 @@ impl Decided {
             let lane = lanes.trailing_zeros() as usize;
             let Vertices { v0, v1, v2 } = vertices.lane(lane);
             let decided = decide::<R>([v0, v1, v2], &ray.lane(lane));
-            hit[lane] = if decided.mask { 1.0 } else { 0.0 };
-            (t[lane], u[lane], v[lane]) = (decided.t, decided.u, decided.v);
+            hit[lane] = if decided.mask() { 1.0 } else { 0.0 };
+            (t[lane], u[lane], v[lane]) = (decided.t(), decided.u(), decided.v());
             lanes &= lanes - 1;
         }
         let [hit, t, u, v] = [hit, t, u, v].map(f32x8::new);
@@ -468,12 +472,12 @@ impl Decided {
 
     /// Puts these lanes into `hit`.
     #[inline(always)]
-    fn blend(self, lanes: Mask8, hit: Hit<f32x8>) -> Hit<f32x8> {
-        Hit::<f32x8>::candidate(
-            lanes & gt8(self.hit, f32x8::ZERO) | !lanes & hit.mask,
-            lanes.select(self.t, hit.t),
-            lanes.select(self.u, hit.u),
-            lanes.select(self.v, hit.v),
+    fn blend(self, lanes: Mask8, hit: Candidate<f32x8>) -> Candidate<f32x8> {
+        Candidate::<f32x8>::new(
+            lanes & gt8(self.hit, f32x8::ZERO) | !lanes & hit.mask(),
+            lanes.select(self.t, hit.t()),
+            lanes.select(self.u, hit.u()),
+            lanes.select(self.v, hit.v()),
         )
     }
 }

@@ -19,7 +19,7 @@ use wide::f32x8;
 use super::exact::{Arithmetic, Exact, OPERATIONS, SETUP_OPERATIONS, setup, setup8, variant};
 use super::exact_half_open::{CLAIMS, HalfOpen};
 use crate::geom::lanes::{Lanes, Vec3x8, mul_add, mul_add8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 

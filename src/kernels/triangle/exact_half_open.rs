@@ -27,7 +27,7 @@ use wide::f32x8;
 
 use super::exact::{Exact, OPERATIONS, Rule, SETUP_OPERATIONS, Separate, setup, setup8, variant};
 use crate::geom::lanes::Lanes;
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::volume::ExactSum;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel};

@@ -25,7 +25,7 @@ use wide::f32x8;
 
 use super::{barycentrics_inside, barycentrics_inside8, scaled_normal};
 use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -70,7 +70,7 @@ impl Intersect<f32> for KenslerShirley<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
         let Self { v0, e1, e2, n } = *self;
 
         // Compute the shared cross product and the determinant.
@@ -85,12 +85,12 @@ impl Intersect<f32> for KenslerShirley<f32> {
 
         // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Compute t and test its range.
         let t = n.dot(c) * inv_det;
-        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -101,7 +101,7 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
         let KenslerShirley { v0, e1, e2, n } = self.widen();
 
         // Compute the shared cross product and the determinant.
@@ -119,6 +119,6 @@ impl<P: Lanes> Intersect<f32x8> for KenslerShirley<P> {
 
         // Compute t and test its range.
         let t = n.dot(c) * inv_det;
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32x8>::new(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -23,7 +23,7 @@ use wide::f32x8;
 
 use super::{barycentrics_inside, barycentrics_inside8, representable};
 use crate::geom::lanes::{Lanes, t_in_range, t_in_range8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::{Id, Info, Intersect, Kernel, Operations};
 
 prepared! {
@@ -62,7 +62,7 @@ impl Intersect<f32> for MollerTrumbore<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
         let Self { v0, e1, e2 } = *self;
 
         // Compute the determinant.
@@ -78,12 +78,12 @@ impl Intersect<f32> for MollerTrumbore<f32> {
 
         // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Compute t and test its range.
         let t = e2.dot(q) * inv_det;
-        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -94,7 +94,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
         let MollerTrumbore { v0, e1, e2 } = self.widen();
 
         // Compute the determinant.
@@ -113,6 +113,6 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumbore<P> {
 
         // Compute t and test its range.
         let t = e2.dot(q) * inv_det;
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32x8>::new(inside & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

@@ -25,7 +25,7 @@ use wide::{f32x8, f64x8};
 
 use super::Vertices;
 use crate::geom::lanes::{DVec3x8, Lanes, dot_f64x8, double8, ge64, le64, t_in_range, t_in_range8, to_f32x8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{DoubleOperations, Id, Info, Intersect, Kernel, Operations};
 
@@ -98,7 +98,7 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
         let Self { vertices: Vertices { v0, v1, v2 } } = *self;
 
         // Convert to f64.
@@ -118,12 +118,12 @@ impl Intersect<f32> for MollerTrumboreF64<f32> {
 
         // Test the barycentrics. The test is true for a hit, so a NaN is a miss.
         if !barycentrics_inside(u, v) {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Compute t, round it and test its range.
         let t = (e2.dot(q) * inv_det) as f32;
-        Hit::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
+        Candidate::<f32>::new(t_in_range(ray.t_min, t, ray.t_max), t, u as f32, v as f32)
     }
 }
 
@@ -134,7 +134,7 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
         let MollerTrumboreF64 { vertices: Vertices { v0, v1, v2 } } = self.widen();
 
         // Convert to f64.
@@ -158,6 +158,6 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreF64<P> {
 
         // Compute t, round it and test its range.
         let t = to_f32x8(dot_f64x8(e2, q) * inv_det);
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
+        Candidate::<f32x8>::new(inside & t_in_range8(ray.t_min, t, ray.t_max), t, to_f32x8(u), to_f32x8(v))
     }
 }

@@ -30,7 +30,7 @@ use wide::f32x8;
 
 use super::{Vertices, scaled_normal, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, ge8, lt8, t_in_range, t_in_range8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
@@ -73,7 +73,7 @@ impl Intersect<f32> for Pluecker<f32> {
     fn setup(_: &Ray<f32>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
         let Self { vertices: Vertices { v0, v1, v2 }, n } = *self;
 
         // Move the origin to zero.
@@ -87,7 +87,7 @@ impl Intersect<f32> for Pluecker<f32> {
         // Test whether the three signs agree.
         let inside = sign_agreement([u, v, w]) >= 0.0;
         if !inside {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Intersect the plane and normalise the weights.
@@ -97,7 +97,7 @@ impl Intersect<f32> for Pluecker<f32> {
 
         // Reject weights that are all zero, or overflow, or are NaN. Test the range of t.
         let numbers = (u + v).abs() < f32::INFINITY;
-        Hit::<f32>::new(numbers & t_in_range(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32>::new(numbers & t_in_range(ray.t_min, t, ray.t_max), t, u, v)
     }
 }
 
@@ -108,7 +108,7 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
     fn setup(_: &Ray<f32x8>) {}
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
         let Pluecker { vertices: Vertices { v0, v1, v2 }, n } = self.widen();
 
         // Move the origin to zero.
@@ -129,6 +129,6 @@ impl<P: Lanes> Intersect<f32x8> for Pluecker<P> {
 
         // Reject weights that are all zero, or overflow, or are NaN. Test the range of t.
         let numbers = lt8((u + v).abs(), f32x8::splat(f32::INFINITY));
-        Hit::<f32x8>::candidate(inside & numbers & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
+        Candidate::<f32x8>::new(inside & numbers & t_in_range8(ray.t_min, t, ray.t_max), t, u, v)
     }
 }

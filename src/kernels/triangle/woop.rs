@@ -54,7 +54,7 @@ use super::{Vertices, normal, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{
     Lanes, Mask8, Vec3x8, eq8, ge8, lt8, max, max8, sign_bit, sign_bit8, t_in_range, t_in_range8, to_f32x8, to_f64x8,
 };
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::{Slabs, VALIDITY};
 use crate::kernels::volume::plane_t;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
@@ -85,7 +85,7 @@ impl Kernel for Woop<f32> {
     prepared!(gather, lane);
 
     #[inline(always)]
-    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         let vertices = Self::lane(packet, lane).widen().vertices;
         candidate8(&vertices, ray, setup, || Self::careful_in_lane(packet, lane, ray, setup))
     }
@@ -105,7 +105,7 @@ impl Intersect<f32> for Woop<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Candidate<f32> {
         let Self { vertices } = self;
 
         // Shear space: the ray becomes an axis.
@@ -116,7 +116,7 @@ impl Intersect<f32> for Woop<f32> {
         let signs = sign_agreement(weights);
         let inside = signs >= 0.0;
         if !inside {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Interpolate t.
@@ -141,7 +141,7 @@ impl<P: Lanes> Intersect<f32x8> for Woop<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         candidate8(&self.widen().vertices, ray, setup, || self.careful8(ray, setup))
     }
 }
@@ -152,8 +152,8 @@ fn candidate8(
     vertices: &Vertices<f32x8>,
     ray: &Ray<f32x8>,
     setup: &Shear8,
-    careful: impl FnOnce() -> Hit<f32x8>,
-) -> Hit<f32x8> {
+    careful: impl FnOnce() -> Candidate<f32x8>,
+) -> Candidate<f32x8> {
     // Shear space: the ray becomes an axis.
     let sheared = Sheared8::of(vertices, ray, setup);
 
@@ -179,7 +179,7 @@ impl Woop<f32> {
     /// The same test, with every weight and every `t` that rounding could spoil computed exactly.
     #[cold]
     #[inline(never)]
-    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Candidate<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let weights = sheared.exact_weights(sheared.weights());
         let inside = sign_agreement(weights) >= 0.0;
@@ -189,7 +189,7 @@ impl Woop<f32> {
     /// [`Woop::careful8`] for the triangle in one lane.
     #[cold]
     #[inline(never)]
-    fn careful_in_lane(packet: &Woop<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn careful_in_lane(packet: &Woop<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         <Self as Kernel>::lane(packet, lane).careful8(ray, setup)
     }
 }
@@ -198,7 +198,7 @@ impl<P: Lanes> Woop<P> {
     /// [`Woop::careful`] in eight lanes.
     #[cold]
     #[inline(never)]
-    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         let Woop { vertices } = self.widen();
         let sheared = Sheared8::of(&vertices, ray, setup);
         let mut weights = sheared.weights();
@@ -457,7 +457,7 @@ impl Sheared {
         vertices: &Vertices<f32>,
         ray: &Ray<f32>,
         setup: &Shear,
-    ) -> Hit<f32> {
+    ) -> Candidate<f32> {
         let hit = self.interpolate(weights, setup);
         hit.with_plane_t(inside & self.cancels(weights, &hit), vertices, ray).in_range(inside, ray)
     }
@@ -537,7 +537,7 @@ impl Sheared8 {
         vertices: &Vertices<f32x8>,
         ray: &Ray<f32x8>,
         setup: &Shear8,
-    ) -> Hit<f32x8> {
+    ) -> Candidate<f32x8> {
         let hit = self.interpolate(weights, setup);
         hit.with_plane_t(inside & self.cancels(weights, &hit), vertices, ray).in_range(inside, ray)
     }
@@ -564,8 +564,8 @@ impl Interpolated<f32> {
 
     /// The hit, if `t` is in the ray's interval.
     #[inline(always)]
-    pub(super) fn in_range(&self, inside: bool, ray: &Ray<f32>) -> Hit<f32> {
-        Hit::<f32>::new(inside & t_in_range(ray.t_min, self.t, ray.t_max), self.t, self.u, self.v)
+    pub(super) fn in_range(&self, inside: bool, ray: &Ray<f32>) -> Candidate<f32> {
+        Candidate::<f32>::new(inside & t_in_range(ray.t_min, self.t, ray.t_max), self.t, self.u, self.v)
     }
 }
 
@@ -586,7 +586,7 @@ impl Interpolated<f32x8> {
 
     /// [`Interpolated::<f32>::in_range`] in eight lanes.
     #[inline(always)]
-    pub(super) fn in_range(&self, inside: Mask8, ray: &Ray<f32x8>) -> Hit<f32x8> {
-        Hit::<f32x8>::candidate(inside & t_in_range8(ray.t_min, self.t, ray.t_max), self.t, self.u, self.v)
+    pub(super) fn in_range(&self, inside: Mask8, ray: &Ray<f32x8>) -> Candidate<f32x8> {
+        Candidate::<f32x8>::new(inside & t_in_range8(ray.t_min, self.t, ray.t_max), self.t, self.u, self.v)
     }
 }

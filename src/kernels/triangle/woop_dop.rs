@@ -25,7 +25,7 @@ use wide::f32x8;
 use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
 use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Vec3x8, ge8, mul_add, mul_add8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
@@ -55,7 +55,7 @@ impl Kernel for WoopDop<f32> {
     prepared!(gather, lane);
 
     #[inline(always)]
-    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         let vertices = Self::lane(packet, lane).widen().vertices;
         candidate8(&vertices, ray, setup, || Self::careful_in_lane(packet, lane, ray, setup))
     }
@@ -90,7 +90,7 @@ impl WoopDop<f32> {
     /// The same test, with every `t` that cancels taken from the plane.
     #[cold]
     #[inline(never)]
-    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Candidate<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let weights = sheared.edges().map(difference);
         let inside = sign_agreement(weights) >= 0.0;
@@ -100,7 +100,7 @@ impl WoopDop<f32> {
     /// [`WoopDop::careful8`] for the triangle in one lane.
     #[cold]
     #[inline(never)]
-    fn careful_in_lane(packet: &WoopDop<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn careful_in_lane(packet: &WoopDop<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         <Self as Kernel>::lane(packet, lane).careful8(ray, setup)
     }
 }
@@ -109,7 +109,7 @@ impl<P: Lanes> WoopDop<P> {
     /// [`WoopDop::careful`] in eight lanes.
     #[cold]
     #[inline(never)]
-    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         let WoopDop { vertices } = self.widen();
         let sheared = Sheared8::of(&vertices, ray, setup);
         let weights = sheared.edges().map(difference8);
@@ -127,7 +127,7 @@ impl Intersect<f32> for WoopDop<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Candidate<f32> {
         let Self { vertices } = self;
 
         // Shear space: the ray becomes an axis.
@@ -140,7 +140,7 @@ impl Intersect<f32> for WoopDop<f32> {
         // Compare the signs.
         let inside = sign_agreement(weights) >= 0.0;
         if !inside {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Interpolate t.
@@ -165,7 +165,7 @@ impl<P: Lanes> Intersect<f32x8> for WoopDop<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         candidate8(&self.widen().vertices, ray, setup, || self.careful8(ray, setup))
     }
 }
@@ -176,8 +176,8 @@ fn candidate8(
     vertices: &Vertices<f32x8>,
     ray: &Ray<f32x8>,
     setup: &Shear8,
-    careful: impl FnOnce() -> Hit<f32x8>,
-) -> Hit<f32x8> {
+    careful: impl FnOnce() -> Candidate<f32x8>,
+) -> Candidate<f32x8> {
     // Shear space: the ray becomes an axis.
     let sheared = Sheared8::of(vertices, ray, setup);
 

@@ -31,7 +31,7 @@ use wide::f32x8;
 use super::woop::{Shear, Shear8, Sheared, Sheared8, prepare};
 use super::{Vertices, sign_agreement, sign_agreement8};
 use crate::geom::lanes::{Lanes, Mask8, Vec3x8, eq8, gt8, lt8};
-use crate::geom::{Hit, Ray, Triangle};
+use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
 use crate::kernels::{Claim, Id, Info, Intersect, Kernel, Operations};
 
@@ -61,7 +61,7 @@ impl Kernel for WoopHalfOpen<f32> {
     prepared!(gather, lane);
 
     #[inline(always)]
-    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate_in_lane(packet: &Self::Packet, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         let vertices = Self::lane(packet, lane).widen().vertices;
         candidate8(&vertices, ray, setup, || Self::careful_in_lane(packet, lane, ray, setup))
     }
@@ -137,7 +137,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn candidate(&self, ray: &Ray<f32>, setup: &Shear) -> Candidate<f32> {
         let Self { vertices } = self;
 
         // Shear space: the ray becomes an axis.
@@ -148,7 +148,7 @@ impl Intersect<f32> for WoopHalfOpen<f32> {
         let signs = sign_agreement(weights);
         let inside = signs >= 0.0;
         if !inside {
-            return Hit::MISS;
+            return Candidate::MISS;
         }
 
         // Interpolate t.
@@ -173,7 +173,7 @@ impl<P: Lanes> Intersect<f32x8> for WoopHalfOpen<P> {
     }
 
     #[inline(always)]
-    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn candidate(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         candidate8(&self.widen().vertices, ray, setup, || self.careful8(ray, setup))
     }
 }
@@ -184,8 +184,8 @@ fn candidate8(
     vertices: &Vertices<f32x8>,
     ray: &Ray<f32x8>,
     setup: &Shear8,
-    careful: impl FnOnce() -> Hit<f32x8>,
-) -> Hit<f32x8> {
+    careful: impl FnOnce() -> Candidate<f32x8>,
+) -> Candidate<f32x8> {
     // Shear space: the ray becomes an axis.
     let sheared = Sheared8::of(vertices, ray, setup);
 
@@ -211,7 +211,7 @@ impl WoopHalfOpen<f32> {
     /// The same test, with every tie broken and every `t` that cancels taken from the plane.
     #[cold]
     #[inline(never)]
-    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Hit<f32> {
+    fn careful(&self, ray: &Ray<f32>, setup: &Shear) -> Candidate<f32> {
         let sheared = Sheared::of(&self.vertices, ray, setup);
         let (inside, weights) = perturbed_inside(sheared, sheared.weights());
         sheared.careful_hit(inside, weights, &self.vertices, ray, setup)
@@ -220,7 +220,12 @@ impl WoopHalfOpen<f32> {
     /// [`WoopHalfOpen::careful8`] for the triangle in one lane.
     #[cold]
     #[inline(never)]
-    fn careful_in_lane(packet: &WoopHalfOpen<f32x8>, lane: usize, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn careful_in_lane(
+        packet: &WoopHalfOpen<f32x8>,
+        lane: usize,
+        ray: &Ray<f32x8>,
+        setup: &Shear8,
+    ) -> Candidate<f32x8> {
         <Self as Kernel>::lane(packet, lane).careful8(ray, setup)
     }
 }
@@ -229,7 +234,7 @@ impl<P: Lanes> WoopHalfOpen<P> {
     /// [`WoopHalfOpen::careful`] in eight lanes.
     #[cold]
     #[inline(never)]
-    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Hit<f32x8> {
+    fn careful8(&self, ray: &Ray<f32x8>, setup: &Shear8) -> Candidate<f32x8> {
         let WoopHalfOpen { vertices } = self.widen();
         let sheared = Sheared8::of(&vertices, ray, setup);
         let weights = sheared.weights();

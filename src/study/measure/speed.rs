@@ -122,9 +122,9 @@ where
             let setup = <K as Intersect<f32x8>>::setup(packet);
             let mut best = Hit::<f32x8>::miss();
             for (number, primitive) in self.primitives.iter().enumerate() {
-                let hit = primitive.candidate(packet, &setup);
-                let closer = hit.mask & lt8(hit.t, best.t);
-                best.replace(closer, &Hit { primitive: u32x8::splat(number as u32), ..hit });
+                let candidate = primitive.candidate(packet, &setup);
+                let closer = candidate.mask() & lt8(candidate.t(), best.t);
+                best.replace(closer, &candidate.of_primitives(u32x8::splat(number as u32)));
             }
             best.write(hits);
         }
@@ -138,9 +138,9 @@ where
             let mut best = Hit::<f32x8>::miss();
             let mut numbers = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             for group in &self.groups {
-                let hit = group.candidate(&ray, &setup);
-                let closer = hit.mask & lt8(hit.t, best.t);
-                best.replace(closer, &Hit { primitive: numbers, ..hit });
+                let candidate = group.candidate(&ray, &setup);
+                let closer = candidate.mask() & lt8(candidate.t(), best.t);
+                best.replace(closer, &candidate.of_primitives(numbers));
                 numbers += u32x8::splat(8);
             }
             *hit = best.closest();

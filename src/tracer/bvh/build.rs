@@ -61,7 +61,7 @@ impl Bvh {
     /// Computes every box as the exact union of the boxes of the items below it, and the sizes of leaves and items.
     fn fit(&mut self, bounds_of: impl Fn(u32) -> Aabb, count: usize) {
         self.item_size = item_size(count, &bounds_of);
-        let union = |bounds: Aabb, item| bounds.union(&bounds_of(item));
+        let union = |bounds: Aabb, item| bounds.around(&bounds_of(item));
         self.extent.bounds = (0..count as u32).fold(Aabb::EMPTY, union);
         // Children come after their parents.
         for number in (0..self.nodes.len()).rev() {

@@ -1,7 +1,6 @@
 //! The bounding volume hierarchy: eight children per node, built over triangles or over instances.
 
 mod binary;
-pub(crate) mod box_rule;
 mod boxes;
 mod build;
 #[cfg(test)]

@@ -122,7 +122,7 @@ impl Reinsertion<'_> {
                 }
                 visits += 1;
                 let node_bounds = &self.nodes[node as usize].bounds;
-                let gain = gain - half_area(&node_bounds.union(&bounds));
+                let gain = gain - half_area(&node_bounds.around(&bounds));
                 if gain > best.gain {
                     best = Move { to: node, gain, ..best };
                 }
@@ -132,7 +132,7 @@ impl Reinsertion<'_> {
                 }
             }
             if pivot != parent {
-                remains = remains.union(&self.nodes[other as usize].bounds);
+                remains = remains.around(&self.nodes[other as usize].bounds);
                 gain += self.area(pivot) - half_area(&remains);
             }
             if pivot == 0 || visits == MAX_VISITS {
@@ -202,7 +202,7 @@ impl Reinsertion<'_> {
         loop {
             if let Content::Children(first) = self.nodes[node as usize].content() {
                 let first = first as usize;
-                let bounds = self.nodes[first].bounds.union(&self.nodes[first + 1].bounds);
+                let bounds = self.nodes[first].bounds.around(&self.nodes[first + 1].bounds);
                 self.nodes[node as usize].bounds = bounds;
                 self.heights[node as usize] = 1 + self.heights[first].max(self.heights[first + 1]);
             }

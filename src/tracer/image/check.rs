@@ -15,6 +15,7 @@ const FARTHEST: f64 = 1e6;
 
 /// Why a view gives no picture.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ViewError {
     /// The eye and the point that it looks at are equal.
     #[error("the camera has no direction: eye and look-at are both {0}")]

@@ -9,6 +9,7 @@ use crate::geom::Hit;
 
 /// Numbers of pixels where two kernels disagree. Each pixel counts at most once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Differences {
     /// Only the first kernel hits.
     pub only_first: usize,

@@ -15,6 +15,7 @@ use crate::tracer::trace::{Mode, trace};
 
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Shade {
     /// Diffuse reflection of the light, with hard shadows.
     Lambert,

@@ -5,11 +5,11 @@ use wide::f32x8;
 use super::mesh_tree::{MeshTree, Setup};
 use super::scratch::TraversalScratch;
 use crate::geom::lanes;
-use crate::geom::{Hit, Mask8, Ray, Triangle};
+use crate::geom::{Candidate, Hit, Mask8, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::walk::Counter;
 use crate::tracer::walk::block::{Block, Outcome, PACKETS};
-use crate::tracer::walk::packet::{PacketRays, keep_closer8};
+use crate::tracer::walk::packet::PacketRays;
 use crate::tracer::walk::rays::{ANY_HIT, dir_is_neg};
 
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
@@ -60,7 +60,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         let ended = self.bvh.walk_block::<false, T>(block, storage, counter, |leaf, packets, block, counter| {
             search.test_leaf(leaf, packets, block, counter, |packet, _, candidate, limit| {
                 any = true;
-                keep_closer8(&mut best[packet], candidate);
+                best[packet].keep_closer(candidate);
                 lanes::min8(best[packet].t, limit)
             });
         });
@@ -88,9 +88,9 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         let extremes = block.take(rays);
         let mut search = BlockSearch::new(self, block);
         let mut found = [Mask8::none(); PACKETS];
-        let mut keep = |packet: usize, candidate: &Hit<f32x8>, limit: f32x8| {
-            found[packet] = found[packet] | candidate.mask;
-            candidate.mask.select(f32x8::splat(f32::NEG_INFINITY), limit)
+        let mut keep = |packet: usize, candidate: &Candidate<f32x8>, limit: f32x8| {
+            found[packet] = found[packet] | candidate.mask();
+            candidate.mask().select(f32x8::splat(f32::NEG_INFINITY), limit)
         };
         if let Some((leaf, slot)) = occluder.take().filter(|&(leaf, _)| leaf < self.leaves.len()) {
             let hit = search.test_occluder(leaf, slot, block, counter, &mut keep);
@@ -151,7 +151,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         mut packets: u32,
         block: &mut Block,
         counter: &mut T,
-        mut keep: impl FnMut(usize, usize, &Hit<f32x8>, f32x8) -> f32x8,
+        mut keep: impl FnMut(usize, usize, &Candidate<f32x8>, f32x8) -> f32x8,
     ) {
         let (boxes, used) = (self.tree.boxes(leaf), (1 << self.tree.leaves[leaf].numbers.len()) - 1);
         let dir_is_neg = dir_is_neg(block.octant);
@@ -195,7 +195,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         slot: usize,
         block: &Block,
         counter: &mut T,
-        mut keep: impl FnMut(usize, &Hit<f32x8>, f32x8) -> f32x8,
+        mut keep: impl FnMut(usize, &Candidate<f32x8>, f32x8) -> f32x8,
     ) -> bool {
         let (boxes, mut any) = (self.tree.boxes(leaf), false);
         for packet in 0..PACKETS {

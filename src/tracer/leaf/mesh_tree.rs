@@ -1,13 +1,12 @@
 //! The prepared triangles of a mesh with the tree over them, in the mesh's own coordinates; and the triangle tests
 //! under the box rule that all walks share.
 
-use glam::Vec3;
 use wide::{f32x8, u32x8};
 
-use crate::geom::{Hit, Lanes, Ray, Triangle};
+use crate::geom::{Candidate, Lanes, Ray, Triangle};
 use crate::kernels::aabb::{InverseDirection, Slabs};
-use crate::kernels::{Intersect, Kernel};
-use crate::tracer::bvh::box_rule::TInterval;
+use crate::kernels::box_rule::TInterval;
+use crate::kernels::{Intersect, Kernel, Shape};
 use crate::tracer::bvh::{Boxes, Bvh, Leaf};
 use crate::tracer::meshes::Mesh;
 use crate::tracer::walk::Counter;
@@ -37,9 +36,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
 
         let bounds_of = |primitive| mesh.triangle(primitive).bounds();
         let mut bvh = Bvh::build(mesh.len(), bounds_of);
-        // Unused slots hold a triangle of NaN. Every ray misses it.
-        let missed = Triangle { v0: Vec3::NAN, v1: Vec3::NAN, v2: Vec3::NAN };
-        let triangle = |primitive| if primitive == Leaf::NONE { missed } else { mesh.triangle(primitive) };
+        let triangle = |primitive| if primitive == Leaf::NONE { Triangle::MISSED } else { mesh.triangle(primitive) };
         let gather = |&numbers: &Leaf| LeafTriangles {
             prepared: K::gather(&numbers.0.map(|item| K::prepare(&triangle(item)))),
             numbers,
@@ -64,8 +61,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         K::bounds(&self.leaves[leaf].prepared).map_or_else(|| self.boxes[leaf], Boxes::from)
     }
 
-    /// The hits of one ray, splatted, with the triangles of a leaf, by the box rule. `t` is infinite in lanes that
-    /// miss.
+    /// The hits of one ray, splatted, with the triangles of a leaf, by the box rule.
     #[inline(always)]
     pub(super) fn test_all_triangles(
         &self,
@@ -74,25 +70,16 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         setup: &<K as Intersect<f32x8>>::Setup,
         counter: &mut impl Counter,
         slabs: impl Fn() -> InverseDirection<f32x8>,
-    ) -> Hit<f32x8> {
+    ) -> Candidate<f32x8> {
         let LeafTriangles { prepared, numbers } = &self.leaves[leaf];
         let hit = prepared.candidate(ray, setup);
         let interval = || TInterval::<f32x8>::of_each(&self.boxes(leaf).slabs(), ray.origin, &slabs());
         counter.test(|| (interval().0.bits() & ((1 << numbers.len()) - 1)).count_ones());
-        if !hit.mask.any() {
+        if !hit.mask().any() {
             return hit;
         }
         let (inside, interval) = interval();
-        let mask = hit.mask & inside;
-        Hit {
-            mask,
-            t: mask.select(interval.clamp(hit.t), f32x8::splat(f32::INFINITY)),
-            u: hit.u,
-            v: hit.v,
-            primitive: u32x8::new(numbers.0),
-            // A single triangle has instance 0.
-            instance: hit.instance,
-        }
+        hit.at(hit.mask() & inside, interval.clamp(hit.t()), u32x8::new(numbers.0), u32x8::splat(0))
     }
 
     /// The hits of a packet with one triangle, by the box rule; possibly in no lane. `None` if the kernel reports no
@@ -106,12 +93,12 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         ray: &Ray<f32x8>,
         setup: &Setup<K, f32x8>,
         counter: &mut impl Counter,
-    ) -> Option<Hit<f32x8>> {
+    ) -> Option<Candidate<f32x8>> {
         let LeafTriangles { prepared, numbers } = &self.leaves[leaf];
         let hit = K::candidate_in_lane(prepared, slot & 7, ray, &setup.kernel);
         counter.test(|| lanes_in_box(boxes, slot, ray, &setup.slabs));
         let apply = || apply_box_rule(hit, &boxes.lane(slot), numbers.0[slot & 7], ray, &setup.slabs);
-        hit.mask.any().then(apply)
+        hit.mask().any().then(apply)
     }
 }
 
@@ -120,24 +107,17 @@ pub(super) fn lanes_in_box(boxes: &Boxes, slot: usize, ray: &Ray<f32x8>, setup: 
     TInterval::<f32x8>::of(&boxes.lane(slot), ray.origin, setup).0.bits().count_ones()
 }
 
-/// Applies the box rule to the hits of a packet with one triangle. Lanes that miss have undefined content.
+/// Applies the box rule to the hits of a packet with one triangle.
 #[inline(always)]
 pub(super) fn apply_box_rule(
-    hit: Hit<f32x8>,
+    hit: Candidate<f32x8>,
     bounds: &Slabs<f32>,
     primitive: u32,
     ray: &Ray<f32x8>,
     setup: &InverseDirection<f32x8>,
-) -> Hit<f32x8> {
+) -> Candidate<f32x8> {
     let (inside, interval) = TInterval::<f32x8>::of(bounds, ray.origin, setup);
-    Hit {
-        mask: hit.mask & inside,
-        t: interval.clamp(hit.t),
-        u: hit.u,
-        v: hit.v,
-        primitive: u32x8::splat(primitive),
-        instance: hit.instance,
-    }
+    hit.at(hit.mask() & inside, interval.clamp(hit.t()), u32x8::splat(primitive), u32x8::splat(0))
 }
 
 /// Per-ray data of the slab test and of the kernel.

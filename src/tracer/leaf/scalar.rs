@@ -4,7 +4,7 @@ use super::mesh_tree::{LeafTriangles, MeshTree, Setup};
 use super::scratch::TraversalScratch;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::bvh::box_rule::TInterval;
+use crate::kernels::box_rule::TInterval;
 use crate::tracer::walk::Counter;
 use crate::tracer::walk::rays::ANY_HIT;
 

@@ -56,7 +56,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> single::Leaves<T>
     #[inline(always)]
     fn test(&mut self, leaf: usize, best: &mut Hit<f32>, counter: &mut T) {
         let candidates = self.tree.test_all_triangles(leaf, &self.ray, &self.setup, counter, || self.walk.slabs);
-        if !candidates.mask.any() {
+        if !candidates.mask().any() {
             return;
         }
         if ANY {

@@ -10,7 +10,6 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
 use crate::kernels::{Intersect, Kernel};
 use crate::tracer::walk::Counter;
-use crate::tracer::walk::packet::keep_closer8;
 use crate::tracer::walk::rays::{ANY_HIT, packet};
 use crate::tracer::walk::stream::{self, MIN_WIDE_RAYS, StreamRay};
 
@@ -90,7 +89,7 @@ impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
         let setup = <K as Intersect<f32x8>>::setup(&ray);
         let slabs = || InverseDirection::<f32x8>::of(&ray);
         let candidates = self.tree.test_all_triangles(leaf, &ray, &setup, counter, slabs);
-        if candidates.mask.any() {
+        if candidates.mask().any() {
             self.keep(number, candidates.closest(), ready);
         }
     }
@@ -111,10 +110,10 @@ impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
         for slot in 0..triangles.len() {
             let hit = K::candidate_in_lane(prepared, slot & 7, &ray, &setup);
             counter.test(|| lanes_in_box(&self.tree.boxes(leaf), slot, &ray, &InverseDirection::<f32x8>::of(&ray)));
-            if hit.mask.any() {
+            if hit.mask().any() {
                 let slabs = slabs.get_or_insert_with(|| InverseDirection::<f32x8>::of(&ray));
                 let bounds = self.tree.boxes(leaf).lane(slot & 7);
-                keep_closer8(&mut best, &apply_box_rule(hit, &bounds, triangles.0[slot & 7], &ray, slabs));
+                best.keep_closer(&apply_box_rule(hit, &bounds, triangles.0[slot & 7], &ray, slabs));
             }
         }
         let mut hit = best.mask.bits();

@@ -23,6 +23,7 @@ pub struct Part {
 
 /// Why [`Mesh::new`] refuses its arguments. Triangles, vertices and parts are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// There are no triangles.
     #[error("no triangles")]

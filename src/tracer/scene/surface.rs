@@ -13,6 +13,7 @@ use crate::kernels::Kernel;
 
 /// The surface at the point where a ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SurfacePoint {
     /// The point in the world. On a triangle it comes from the hit's barycentrics, on a quadric from the hit's `t`.
     pub point: Vec3,

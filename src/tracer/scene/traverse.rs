@@ -9,11 +9,11 @@ use wide::f32x8;
 use super::instance::Object;
 use super::two_level::Scene;
 use crate::geom::lanes::{gt8, le8};
-use crate::geom::{Hit, Mask8, Ray, Triangle};
+use crate::geom::{Candidate, Hit, Mask8, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
+use crate::kernels::box_rule::TInterval;
 use crate::kernels::{Intersect, Kernel};
 use crate::tracer::bvh::Child;
-use crate::tracer::bvh::box_rule::TInterval;
 use crate::tracer::leaf::{MeshTree, TraversalScratch};
 use crate::tracer::walk::Counter;
 use crate::tracer::walk::block::Outcome;
@@ -281,17 +281,26 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
     }
 }
 
+/// Calls `trace` with the memory of this thread. If that is in use, `trace` gets new memory: the kernel of a scene may
+/// itself trace a scene.
+fn with_scratch<T>(trace: impl FnOnce(&mut Scratch) -> T) -> T {
+    SCRATCH.with(|scratch| match scratch.try_borrow_mut() {
+        Ok(mut scratch) => trace(&mut scratch),
+        Err(_) => trace(&mut Scratch::new()),
+    })
+}
+
 impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     type Setup = ();
 
     fn setup(_: &Ray<f32>) {}
 
-    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Hit<f32> {
-        SCRATCH.with_borrow_mut(|scratch| self.trace_single::<false>(ray, scratch, &mut ()))
+    fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
+        with_scratch(|scratch| self.trace_single::<false>(ray, scratch, &mut ())).into()
     }
 
     fn any_hit(&self, ray: &Ray<f32>, (): &()) -> bool {
-        SCRATCH.with_borrow_mut(|scratch| self.trace_single::<true>(ray, scratch, &mut ())).mask
+        with_scratch(|scratch| self.trace_single::<true>(ray, scratch, &mut ())).mask
     }
 }
 
@@ -300,11 +309,11 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
 
     fn setup(_: &Ray<f32x8>) {}
 
-    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Hit<f32x8> {
-        SCRATCH.with_borrow_mut(|scratch| self.trace_packet::<false>(ray, scratch, &mut ()))
+    fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
+        with_scratch(|scratch| self.trace_packet::<false>(ray, scratch, &mut ())).into()
     }
 
     fn any_hit(&self, ray: &Ray<f32x8>, (): &()) -> Mask8 {
-        SCRATCH.with_borrow_mut(|scratch| self.trace_packet::<true>(ray, scratch, &mut ())).mask
+        with_scratch(|scratch| self.trace_packet::<true>(ray, scratch, &mut ())).mask
     }
 }

@@ -6,13 +6,13 @@ use wide::{f32x8, u32x8};
 use super::instance::{AnyQuadric, Object, PreparedInstance};
 use super::world::{Geometry, Placement, World};
 use super::world_box::world_box;
-use crate::geom::{Aabb, Hit, Quadric, Ray, Triangle};
+use crate::geom::{Aabb, Candidate, Hit, Quadric, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::kernels::aabb::InverseDirection;
+use crate::kernels::box_rule::TInterval;
 use crate::kernels::instance::Instance;
 use crate::kernels::quadric::Mixed;
 use crate::tracer::bvh::Bvh;
-use crate::tracer::bvh::box_rule::TInterval;
 use crate::tracer::leaf::MeshTree;
 use crate::tracer::meshes::Mesh;
 
@@ -170,17 +170,11 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         Hit { t: interval.clamp(hit.t), primitive, instance: number, ..hit }
     }
 
-    /// [`Scene::hit_in_world`] in eight lanes. Lanes that miss have undefined content.
+    /// [`Scene::hit_in_world`] in eight lanes.
     #[inline(always)]
-    pub(super) fn hit_in_world8(&self, hit: Hit<f32x8>, number: u32, interval: TInterval<f32x8>) -> Hit<f32x8> {
-        Hit {
-            mask: hit.mask,
-            t: interval.clamp(hit.t),
-            u: hit.u,
-            v: hit.v,
-            primitive: hit.primitive + u32x8::splat(self.first_primitive(number)),
-            instance: u32x8::splat(number),
-        }
+    pub(super) fn hit_in_world8(&self, hit: Hit<f32x8>, number: u32, interval: TInterval<f32x8>) -> Candidate<f32x8> {
+        let primitive = hit.primitive + u32x8::splat(self.first_primitive(number));
+        Candidate::from(hit).at(hit.mask, interval.clamp(hit.t), primitive, u32x8::splat(number))
     }
 
     /// The tree of the mesh, if the world is one untransformed mesh. Its hits are then those of the scene.

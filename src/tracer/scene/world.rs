@@ -8,6 +8,7 @@ use crate::tracer::meshes::Mesh;
 
 /// A shape in its own coordinates. Instances place it in the world.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Geometry {
     /// A triangle mesh.
     Mesh(Mesh),
@@ -54,6 +55,7 @@ pub struct Placement {
 
 /// The colours of an instance.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Paint {
     /// The colours of the mesh. A quadric is white.
     Own,
@@ -90,6 +92,7 @@ pub struct World {
 
 /// Why [`World::new`] refuses its arguments. Geometries and instances are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WorldError {
     /// There are no instances.
     #[error("no instances")]

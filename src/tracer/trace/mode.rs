@@ -2,6 +2,7 @@
 
 /// How rays are grouped for tracing. The hits do not depend on it, only the speed does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Mode {
     /// One ray at a time in scalar arithmetic: the reference.
     Scalar,
@@ -25,6 +26,16 @@ impl Mode {
             Self::Single => "single",
             Self::Packet => "packet",
             Self::Auto => "auto",
+        }
+    }
+
+    /// One line about it.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Scalar => "One ray at a time, with scalar code: the reference",
+            Self::Single => "One ray at a time, against eight boxes or eight triangles at once",
+            Self::Packet => "Similar rays in blocks, the others in packets of eight",
+            Self::Auto => "Similar rays in blocks, the others in streams or packets, whichever suits the scene",
         }
     }
 }

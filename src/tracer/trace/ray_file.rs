@@ -3,8 +3,6 @@
 use std::io::Read;
 use std::path::Path;
 
-use glam::Vec3;
-
 use crate::error::Error;
 use crate::files::{Input, write_atomically};
 use crate::geom::{Hit, Ray};
@@ -80,18 +78,13 @@ fn write_records<const N: usize>(path: &Path, records: impl Iterator<Item = [u8;
 }
 
 fn decode_ray(bytes: &[u8; RAY_BYTES]) -> Ray<f32> {
-    let number = |index: usize| f32::from_le_bytes(core::array::from_fn(|byte| bytes[4 * index + byte]));
-    Ray {
-        origin: Vec3::new(number(0), number(1), number(2)),
-        t_min: number(3),
-        dir: Vec3::new(number(4), number(5), number(6)),
-        t_max: number(7),
-    }
+    Ray::from_array(core::array::from_fn(|index| {
+        f32::from_le_bytes(core::array::from_fn(|byte| bytes[4 * index + byte]))
+    }))
 }
 
 fn encode_ray(ray: &Ray<f32>) -> [u8; RAY_BYTES] {
-    let (o, d) = (ray.origin, ray.dir);
-    little_endian([o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, ray.t_max].map(f32::to_bits))
+    little_endian(ray.to_array().map(f32::to_bits))
 }
 
 fn encode_hit(hit: &Hit<f32>) -> [u8; HIT_BYTES] {
@@ -107,6 +100,8 @@ fn little_endian<const WORDS: usize, const BYTES: usize>(words: [u32; WORDS]) ->
 #[cfg(test)]
 mod tests {
     use std::fs;
+
+    use glam::Vec3;
 
     use super::*;
 

@@ -2,6 +2,7 @@
 
 /// What tracing a set of rays took. A node, leaf or test that serves several rays at once counts once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct TraversalStats {
     /// Number of rays.
     pub rays: u64,

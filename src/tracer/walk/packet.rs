@@ -20,8 +20,8 @@ use wide::f32x8;
 use super::fused_slabs::{ERROR, LARGEST, STEEPEST, sharp_reach};
 use super::rays::{dir_is_neg, only_lane};
 use super::stack::StackStorage;
-use crate::geom::lanes::{Mask8, eq8, le8, lt8, max8, min8, sign_bit8};
-use crate::geom::{Hit, Ray};
+use crate::geom::lanes::{Mask8, le8, lt8, max8, min8, sign_bit8};
+use crate::geom::{Candidate, Hit, Ray};
 use crate::kernels::aabb::InverseDirection;
 use crate::tracer::bvh::{Boxes, Bvh, Child, Extent};
 
@@ -228,20 +228,6 @@ impl Bvh {
     }
 }
 
-/// Replaces `best` in the lanes where the candidate is closer, by [`Hit::is_closer_than`]. Lanes in which the candidate
-/// misses may have any content.
-#[inline(always)]
-pub(crate) fn keep_closer8(best: &mut Hit<f32x8>, candidate: &Hit<f32x8>) {
-    let mut closer = candidate.mask & lt8(candidate.t, best.t);
-    let tied = candidate.mask & eq8(candidate.t, best.t);
-    if tied.any() {
-        closer = closer
-            | (tied
-                & Mask8::from_lanes(std::array::from_fn(|lane| candidate.lane(lane).is_closer_than(&best.lane(lane)))));
-    }
-    best.replace(closer, candidate);
-}
-
 /// What the rays of a packet have hit so far.
 pub(crate) struct PacketHits<const ANY: bool> {
     /// The largest useful `t` of each lane; NaN in lanes whose search has ended.
@@ -261,11 +247,11 @@ impl<const ANY: bool> PacketHits<ANY> {
 
     /// Keeps a candidate where it is closer; with `ANY`, ends the search where it hits.
     #[inline(always)]
-    pub(crate) fn keep(&mut self, candidate: &Hit<f32x8>) {
+    pub(crate) fn keep(&mut self, candidate: &Candidate<f32x8>) {
         if ANY {
-            self.end_in(candidate.mask);
+            self.end_in(candidate.mask());
         } else {
-            keep_closer8(&mut self.best, candidate);
+            self.best.keep_closer(candidate);
             self.limit = min8(self.best.t, self.limit);
         }
     }
@@ -286,6 +272,7 @@ impl<const ANY: bool> PacketHits<ANY> {
     /// The closest hits; with `ANY`, hits whose fields are zero.
     #[inline(always)]
     pub(crate) fn into_hits(self) -> Hit<f32x8> {
-        if ANY { Hit::<f32x8>::new(self.any, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO) } else { self.best }
+        let nothing = f32x8::ZERO;
+        if ANY { Candidate::<f32x8>::new(self.any, nothing, nothing, nothing).or_miss() } else { self.best }
     }
 }

@@ -3,7 +3,7 @@
 use wide::{f32x8, u32x8};
 
 use crate::geom::lanes::{Mask8, Vec3x8, eq8};
-use crate::geom::{Hit, Ray};
+use crate::geom::{Candidate, Hit, Ray};
 
 /// A hit for rays that ask only whether there is any: all fields but the mask are zero.
 pub(crate) const ANY_HIT: Hit<f32> = Hit { mask: true, t: 0.0, u: 0.0, v: 0.0, primitive: 0, instance: 0 };
@@ -34,8 +34,7 @@ pub(crate) fn packet<'a>(rays: impl IntoIterator<Item = &'a Ray<f32>>) -> Ray<f3
 /// The eight numbers of a ray in memory order.
 #[inline(always)]
 pub(crate) fn row(ray: &Ray<f32>) -> f32x8 {
-    let Ray { origin: o, t_min, dir: d, t_max } = *ray;
-    f32x8::new([o.x, o.y, o.z, t_min, d.x, d.y, d.z, t_max])
+    f32x8::new(ray.to_array())
 }
 
 /// Eight rows as a packet. Transposing takes a fifth of the instructions of gathering component by component.
@@ -51,15 +50,15 @@ pub(crate) fn only_lane(lane: usize) -> Mask8 {
     eq8(f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]), f32x8::splat(lane as f32))
 }
 
-/// The hit of one ray, placed in its lane of a packet. The other lanes miss, and their content is undefined.
+/// The hit of one ray, placed in its lane of a packet. The other lanes miss.
 #[inline(always)]
-pub(crate) fn hit_in_lane(lane: usize, hit: &Hit<f32>) -> Hit<f32x8> {
-    Hit {
+pub(crate) fn hit_in_lane(lane: usize, hit: &Hit<f32>) -> Candidate<f32x8> {
+    Candidate::from(Hit {
         mask: if hit.mask { only_lane(lane) } else { Mask8::none() },
         t: f32x8::splat(hit.t),
         u: f32x8::splat(hit.u),
         v: f32x8::splat(hit.v),
         primitive: u32x8::splat(hit.primitive),
         instance: u32x8::splat(hit.instance),
-    }
+    })
 }

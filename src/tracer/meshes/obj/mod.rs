@@ -38,6 +38,7 @@ use crate::error::Error;
 
 /// What the loader left out of a mesh, and other remarks about the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ObjReport {
     /// Number of vertices in the file. The mesh holds only vertices that faces use.
     pub vertices: usize,
