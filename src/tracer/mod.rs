@@ -60,7 +60,7 @@ pub use image::{
     parse_point, picture_hits, shade,
 };
 #[cfg(feature = "study")]
-pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, starts};
+pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
 pub use memory::check_memory;
 pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};

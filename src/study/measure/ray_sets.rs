@@ -3,7 +3,7 @@
 
 use crate::geom::{Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::{Mode, OCCLUSION_REACH, Scene, View, hemisphere_rays, shadow_rays, starts, trace};
+use crate::tracer::{Mode, OCCLUSION_REACH, Scene, View, hemisphere_rays, shadow_rays, surfaces, trace};
 
 /// Rays that a renderer traces together, in the order of the picture's blocks ([`crate::tracer::block_order`]).
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub const NAMES: [&str; 4] = ["primary", "shadow", "bounce", "ambient occlusion"
 /// The rays of a picture of `size` × `size` pixels:
 ///
 /// - *primary*: from the eye through each pixel; closest hit;
-/// - *shadow*: from each primary hit to the view's light; any hit;
+/// - *shadow*: from each primary hit whose visible side faces the view's light, to that light; any hit;
 /// - *bounce*: from each primary hit into the hemisphere on the visible side, distributed by Lambert's cosine law (a
 ///   matt surface), of infinite length; closest hit;
 /// - *ambient occlusion*: like bounce, but in other directions, and at most a tenth of the scene's diagonal long; any
@@ -34,14 +34,13 @@ pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size
     let hits = trace(scene, &pixels, false, Mode::Auto);
     let diagonal = scene.bounds().extent().length();
     let sample = (seed ^ (seed >> 32)) as u32;
-    let starts = starts(scene, &pixels, &hits);
-    let shadow = shadow_rays(&starts, view.light, diagonal);
-    let bounce = hemisphere_rays(&starts, sample, diagonal, f32::INFINITY);
-    let occlusion = hemisphere_rays(&starts, sample.wrapping_add(1), diagonal * OCCLUSION_REACH, 1.0);
+    let surfaces = surfaces(scene, &pixels, &hits);
+    let shadow = shadow_rays(&surfaces, view.light, diagonal);
+    let bounce = hemisphere_rays(&surfaces, 0, sample, diagonal, f32::INFINITY);
+    let occlusion = hemisphere_rays(&surfaces, 0, sample.wrapping_add(1), diagonal * OCCLUSION_REACH, 1.0);
     // Pixels that show the background have no secondary rays.
-    let of_hits =
-        |rays: Vec<Ray<f32>>| rays.into_iter().zip(&hits).filter(|(_, hit)| hit.mask).map(|(ray, _)| ray).collect();
-    let [shadow, bounce, occlusion] = [shadow, bounce, occlusion].map(of_hits);
+    let active = |rays: Vec<Ray<f32>>| rays.into_iter().filter(|ray| ray.t_min <= ray.t_max).collect();
+    let [shadow, bounce, occlusion] = [shadow, bounce, occlusion].map(active);
     let set = |number: usize, any_hit, rays| RaySet { name: NAMES[number], any_hit, rays };
     [set(0, false, pixels), set(1, true, shadow), set(2, false, bounce), set(3, true, occlusion)]
 }
@@ -49,23 +48,30 @@ pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Hit;
     use crate::kernels::triangle::Woop;
-    use crate::tracer::{SceneSource, checksum};
+    use crate::tracer::{Light, SceneSource, checksum};
 
-    fn sets(seed: u64) -> (Scene<Woop<f32>>, [RaySet; 4]) {
+    fn sets(seed: u64) -> (Scene<Woop<f32>>, View, [RaySet; 4]) {
         let loaded = SceneSource::parse("room:small").unwrap().load().unwrap();
         let scene = Scene::new(loaded.world);
         let sets = ray_sets(&scene, &loaded.view, 32, seed);
-        (scene, sets)
+        (scene, loaded.view, sets)
     }
 
     #[test]
     fn secondary_rays_leave_the_surface_on_the_visible_side() {
-        let (scene, [primary, shadow, bounce, occlusion]) = sets(7);
+        let (scene, view, [primary, shadow, bounce, occlusion]) = sets(7);
         let hits = trace(&scene, &primary.rays, false, Mode::Scalar);
         let seen: Vec<_> = primary.rays.iter().zip(&hits).filter(|(_, hit)| hit.mask).collect();
         assert!(seen.len() > primary.rays.len() / 2, "the room is closed, so most rays hit");
-        assert_eq!([&shadow, &bounce, &occlusion].map(|set| set.rays.len()), [seen.len(); 3]);
+        assert_eq!([&bounce, &occlusion].map(|set| set.rays.len()), [seen.len(); 2]);
+        let towards_light = |(ray, hit): &&(&Ray<f32>, &Hit<f32>)| {
+            let Light::Point(light) = view.light else { panic!("the room has a lamp") };
+            let surface = scene.surface(ray, hit);
+            (surface.normal.dot(light - surface.point) > 0.0) == surface.front
+        };
+        assert_eq!(shadow.rays.len(), seen.iter().filter(towards_light).count());
         let diagonal = scene.bounds().extent().length();
         let (mut cosines, mut turned) = (0.0, 0);
         for (index, (ray, hit)) in seen.iter().enumerate() {
@@ -74,9 +80,9 @@ mod tests {
             let (bounce, occlusion) = (&bounce.rays[index], &occlusion.rays[index]);
             for (ray, length) in [(bounce, diagonal), (occlusion, 0.1 * diagonal)] {
                 let off = (ray.origin - surface.point).dot(surface.normal) * towards_eye;
-                assert!(off > 0.0 && ray.origin.distance(surface.point) < 1e-5, "{off}");
                 let cosine = ray.dir.dot(surface.normal) * towards_eye / length;
                 assert!(cosine > -1e-6, "{cosine}");
+                assert!(off * cosine >= 0.0 && ray.origin.distance(surface.point) < 1e-5, "{off}");
                 assert!((ray.dir.length() / length - 1.0).abs() < 1e-5);
                 cosines += cosine;
             }
@@ -92,7 +98,7 @@ mod tests {
     #[test]
     fn the_seed_determines_the_rays() {
         let hits = |seed| {
-            let (scene, sets) = sets(seed);
+            let (scene, _, sets) = sets(seed);
             sets.map(|set| checksum(&trace(&scene, &set.rays, false, Mode::Scalar)))
         };
         let (first, again, other) = (hits(1), hits(1), hits(2));

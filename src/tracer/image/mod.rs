@@ -14,7 +14,7 @@ pub use check::ViewError;
 pub use compare::{Differences, compare};
 pub use picture::Picture;
 #[cfg(feature = "study")]
-pub(crate) use secondary::{hemisphere_rays, shadow_rays, starts};
+pub(crate) use secondary::{hemisphere_rays, shadow_rays, surfaces};
 #[cfg(feature = "study")]
 pub(crate) use shade::OCCLUSION_REACH;
 pub use shade::{OCCLUSION_RAYS, Shade, shade};

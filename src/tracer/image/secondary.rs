@@ -7,43 +7,51 @@ use super::view::Light;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::meshes::generator::{hash, unit_interval};
-use crate::tracer::scene::{Scene, Start};
+use crate::tracer::scene::{Scene, SurfacePoint};
 
-/// Where secondary rays start, for each hit; `None` for a miss.
-pub(crate) fn starts<K: Kernel<Shape = Triangle>>(
+/// The surface at each hit; `None` for a miss.
+pub(crate) fn surfaces<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
     hits: &[Hit<f32>],
-) -> Vec<Option<Start>> {
-    rays.par_iter().zip(hits).map(|(ray, hit)| hit.mask.then(|| scene.start(ray, hit))).collect()
+) -> Vec<Option<SurfacePoint>> {
+    rays.par_iter().zip(hits).map(|(ray, hit)| hit.mask.then(|| scene.surface(ray, hit))).collect()
 }
 
-/// One ray from each start to the light. A point light is at `t = 1`. `size` is the length of rays to a light at
-/// infinity. No start gives an inactive ray.
-pub(crate) fn shadow_rays(starts: &[Option<Start>], light: Light, size: f32) -> Vec<Ray<f32>> {
-    let towards_light = |&Start { point, .. }: &Start| {
-        let (dir, t_max) = match light {
-            Light::Point(position) => (position - point, 1.0),
-            Light::Directional(to_light) => (direction(to_light) * size, f32::INFINITY),
+/// One ray from each surface to the light. A point light is at `t = 1`. `size` is the length of rays to a light at
+/// infinity. If there is no surface, or if the light is behind it, the ray is inactive.
+pub(crate) fn shadow_rays(surfaces: &[Option<SurfacePoint>], light: Light, size: f32) -> Vec<Ray<f32>> {
+    let towards_light = |surface: &SurfacePoint| {
+        let ray = match light {
+            Light::Point(position) => surface.spawn_to(position),
+            Light::Directional(to_light) => surface.spawn(direction(to_light) * size),
         };
-        Ray { origin: point, dir, t_min: 0.0, t_max }
+        let is_lit = ray.dir.dot(surface.normal) > 0.0;
+        if is_lit == surface.front { ray } else { Ray::INACTIVE }
     };
-    starts.iter().map(|start| start.as_ref().map_or(Ray::INACTIVE, towards_light)).collect()
+    surfaces.iter().map(|surface| surface.as_ref().map_or(Ray::INACTIVE, towards_light)).collect()
 }
 
-/// One ray from each start into the hemisphere on the side that the hit's ray came from. Directions follow the cosine
-/// distribution (Lambert's law), have the given length, and depend on the index of the ray and on `sample`. No start
-/// gives an inactive ray.
-pub(crate) fn hemisphere_rays(starts: &[Option<Start>], sample: u32, length: f32, t_max: f32) -> Vec<Ray<f32>> {
-    let leaving = |(index, start): (usize, &Option<Start>)| {
-        start.map_or(Ray::INACTIVE, |Start { point, normal }| {
+/// One ray from each surface into the hemisphere on the side that the hit's ray came from. Directions follow the cosine
+/// distribution (Lambert's law), have the given length, and depend on the number of the surface and on `sample`. The
+/// first surface has the number `first`. If there is no surface, the ray is inactive.
+pub(crate) fn hemisphere_rays(
+    surfaces: &[Option<SurfacePoint>],
+    first: usize,
+    sample: u32,
+    length: f32,
+    t_max: f32,
+) -> Vec<Ray<f32>> {
+    let leaving = |(index, surface): (usize, &Option<SurfacePoint>)| {
+        surface.as_ref().map_or(Ray::INACTIVE, |surface| {
+            let normal = if surface.front { surface.normal } else { -surface.normal };
             // A random point of the unit sphere that touches the surface has the cosine distribution, seen from the
             // touching point. This needs no sine.
-            let dir = (normal + on_sphere(index as u32, sample)).normalize_or(normal) * length;
-            Ray { origin: point, dir, t_min: 0.0, t_max }
+            let dir = (normal + on_sphere((first + index) as u32, sample)).normalize_or(normal) * length;
+            Ray { t_max, ..surface.spawn(dir) }
         })
     };
-    starts.par_iter().enumerate().map(leaving).collect()
+    surfaces.par_iter().enumerate().map(leaving).collect()
 }
 
 /// The vector scaled to unit length. In `f64` the square of its length neither overflows nor vanishes.

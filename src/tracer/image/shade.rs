@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::picture::Picture;
-use super::secondary::{hemisphere_rays, shadow_rays, starts};
+use super::secondary::{hemisphere_rays, shadow_rays, surfaces};
 use super::shot::Shot;
 use super::view::Light;
 use crate::geom::{Hit, Ray, Triangle};
@@ -86,41 +86,47 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
     }
 
     fn lambert(&self, light: Light) -> Vec<Vec3> {
-        let starts = starts(self.scene, self.rays, self.hits);
-        let shadow_rays = shadow_rays(&starts, light, self.scene.bounds().extent().length());
-        let shadowed = trace(self.scene, &shadow_rays, true, self.mode);
-        let lit = |index: usize| {
-            let (ray, hit, shadow_ray) = (&self.rays[index], &self.hits[index], &shadow_rays[index]);
-            if !hit.mask {
-                return BACKGROUND;
-            }
-            let surface = self.scene.surface(ray, hit);
-            let to_light = shadow_ray.dir.normalize_or_zero();
-            let to_eye = -ray.dir.normalize_or_zero();
-            // Surfaces reflect on both sides, but only the side that faces the eye is seen.
-            let cosine = surface.normal.dot(to_light) * to_eye.dot(surface.normal).signum();
-            let direct = if shadowed[index].mask { 0.0 } else { cosine.max(0.0) };
-            surface.color * (AMBIENT * facing(ray, &surface) + (1.0 - AMBIENT) * direct)
-        };
-        (0..self.rays.len()).into_par_iter().map(lit).collect()
+        let size = self.scene.bounds().extent().length();
+        self.color_blocks(|_, rays, surfaces| {
+            let shadow_rays = shadow_rays(surfaces, light, size);
+            let shadowed = trace(self.scene, &shadow_rays, true, self.mode);
+            let lit = |index: usize| {
+                let Some(surface) = &surfaces[index] else { return BACKGROUND };
+                let shadow_ray = &shadow_rays[index];
+                // Surfaces reflect on both sides, but only the side that faces the eye is seen. If the light is behind
+                // it, the shadow ray is inactive.
+                let is_lit = shadow_ray.t_min <= shadow_ray.t_max && !shadowed[index].mask;
+                let cosine = shadow_ray.dir.normalize_or_zero().dot(surface.normal).abs();
+                let direct = if is_lit { cosine } else { 0.0 };
+                surface.color * (AMBIENT * facing(&rays[index], surface) + (1.0 - AMBIENT) * direct)
+            };
+            (0..rays.len()).into_par_iter().map(lit).collect()
+        })
     }
 
     /// Grey: the share of hemisphere rays that hit nothing.
     fn ambient_occlusion(&self) -> Vec<Vec3> {
         let reach = self.scene.bounds().extent().length() * OCCLUSION_REACH;
-        let starts = starts(self.scene, self.rays, self.hits);
-        let mut open = vec![0; self.rays.len()];
-        // One ray per pixel at a time. All rays of a large picture together would need gigabytes.
-        for sample in 0..OCCLUSION_RAYS {
-            let rays = hemisphere_rays(&starts, sample, reach, 1.0);
-            for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
-                *open += u32::from(!occluded.mask);
+        self.color_blocks(|first, rays, surfaces| {
+            let mut open = vec![0; rays.len()];
+            for sample in 0..OCCLUSION_RAYS {
+                let rays = hemisphere_rays(surfaces, first, sample, reach, 1.0);
+                for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
+                    *open += u32::from(!occluded.mask);
+                }
             }
-        }
-        let grey = |(hit, open): (&Hit<f32>, &u32)| {
-            if hit.mask { Vec3::splat(*open as f32 / OCCLUSION_RAYS as f32) } else { BACKGROUND }
-        };
-        self.hits.iter().zip(&open).map(grey).collect()
+            let grey = |open: u32| Vec3::splat(open as f32 / OCCLUSION_RAYS as f32);
+            surfaces.iter().zip(open).map(|(surface, open)| surface.map_or(BACKGROUND, |_| grey(open))).collect()
+        })
+    }
+
+    /// The colours of all pixels, made for many of them at a time. All secondary rays of a large picture would need
+    /// gigabytes. `color` gets the number of the first pixel, the rays, and the surfaces that they hit.
+    fn color_blocks(&self, color: impl Fn(usize, &[Ray<f32>], &[Option<SurfacePoint>]) -> Vec<Vec3>) -> Vec<Vec3> {
+        const PIXELS: usize = 1 << 18;
+        let blocks = self.rays.chunks(PIXELS).zip(self.hits.chunks(PIXELS)).enumerate();
+        let of_block = |(block, (rays, hits))| color(block * PIXELS, rays, &surfaces(self.scene, rays, hits));
+        blocks.flat_map(of_block).collect()
     }
 }
 

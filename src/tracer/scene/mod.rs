@@ -1,14 +1,13 @@
 //! What is traced: geometries and their instances, and the two-level scene that a kernel makes of them.
 
 mod instance;
-mod start;
+mod spawn;
 mod surface;
 mod traverse;
 mod two_level;
 mod world;
 mod world_box;
 
-pub(crate) use start::Start;
 pub use surface::SurfacePoint;
 pub(crate) use traverse::Scratch;
 pub use two_level::Scene;

@@ -1,4 +1,4 @@
-//! The surface at a hit, for shading: point, normal, surface parameters and colour, in the world.
+//! The surface at a hit: point, normal, surface parameters and colour in the world, for shading and for further rays.
 //!
 //! Everything is computed in `f64` from the exact transform, not from its rounded inverse, and rounded once.
 
@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
+use super::spawn::{Leaving, starts};
 use super::two_level::Scene;
 use super::world::{Geometry, Paint};
 use crate::geom::{Hit, Quadric, Ray, Triangle};
@@ -29,6 +30,14 @@ pub struct SurfacePoint {
     pub uv: Vec2,
     /// Linear red, green and blue from 0 to 1.
     pub color: Vec3,
+    /// Whether the ray came from the front side, to which the normal points. True where there is no normal.
+    pub front: bool,
+    /// Where rays start that leave on the front side and on the back side; see [`SurfacePoint::spawn`].
+    pub(super) starts: [Vec3; 2],
+    /// The normal before rounding.
+    pub(super) exact_normal: DVec3,
+    /// The product of that normal and the point before rounding.
+    pub(super) plane: f64,
 }
 
 /// The surface at a hit, before rounding.
@@ -55,18 +64,31 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// # Panics
     /// If the hit is a miss, or if this scene has no such instance or triangle.
     pub fn surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> SurfacePoint {
-        let ExactSurface { point, normal, in_object } = self.exact_surface(ray, hit);
+        let surface = self.exact_surface(ray, hit);
+        let ExactSurface { point, normal, in_object } = surface;
         let placement = &self.world().instances()[hit.instance as usize];
-        let (uv, own_color) = match &self.world().geometries()[placement.geometry as usize] {
-            Geometry::Mesh(mesh) => (Vec2::new(hit.u, hit.v), mesh.color(self.primitive_of_mesh(hit))),
-            Geometry::Quadric(quadric) => (quadric_uv(quadric, in_object), Vec3::ONE),
+        let (uv, own_color, leaving) = match &self.world().geometries()[placement.geometry as usize] {
+            Geometry::Mesh(mesh) => {
+                let primitive = self.primitive_of_mesh(hit);
+                (Vec2::new(hit.u, hit.v), mesh.color(primitive), Leaving::Triangle(mesh.triangle(primitive)))
+            }
+            Geometry::Quadric(quadric) => (quadric_uv(quadric, in_object), Vec3::ONE, Leaving::Quadric(quadric)),
         };
         let color = match &placement.paint {
             Paint::Own => own_color,
             Paint::Plain(color) => *color,
             Paint::Checker(checker) => checker.at(uv),
         };
-        SurfacePoint { point: point.as_vec3(), normal: normal.as_vec3(), uv, color }
+        SurfacePoint {
+            point: point.as_vec3(),
+            normal: normal.as_vec3(),
+            uv,
+            color,
+            front: normal.dot(ray.dir.as_dvec3()) <= 0.0,
+            starts: starts(&surface, ray, hit.t, &leaving, &placement.object_to_world),
+            exact_normal: normal,
+            plane: normal.dot(point),
+        }
     }
 
     /// Point and normal at a hit, before rounding.
