@@ -11,7 +11,7 @@ use raylanes::kernels::Kernel;
 use raylanes::kernels::triangle::MollerTrumbore;
 use raylanes::registry::{self, Visitor};
 use raylanes::study::TracerKernel;
-use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, World, thread_pool, trace};
+use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, World, occluded, thread_pool, trace};
 
 const SIZE: u32 = 256;
 
@@ -36,7 +36,11 @@ impl Visitor<Triangle> for Pictures<'_> {
                 for any_hit in [false, true] {
                     let what = if any_hit { "any_hit" } else { "closest_hit" };
                     group.bench_function(BenchmarkId::new(format!("{}/{what}", mode.name()), threads), |timer| {
-                        timer.iter(|| pool.install(|| trace(&scene, self.rays, any_hit, mode)));
+                        if any_hit {
+                            timer.iter(|| pool.install(|| occluded(&scene, self.rays, mode)));
+                        } else {
+                            timer.iter(|| pool.install(|| trace(&scene, self.rays, mode)));
+                        }
                     });
                 }
             }

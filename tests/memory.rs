@@ -3,7 +3,7 @@
 use glam::{Affine3, Vec3};
 use peak_alloc::PeakAlloc;
 use raylanes::kernels::triangle::MollerTrumbore;
-use raylanes::tracer::{Geometry, Paint, Placement, Scene, SceneSource, World};
+use raylanes::tracer::{Geometry, Placement, Scene, SceneSource, World};
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
@@ -13,10 +13,9 @@ fn bytes(instances: usize) -> (usize, usize) {
     let before = HEAP.current_usage();
     let (mut geometries, _) = SceneSource::parse("sphere:70000").unwrap().load().unwrap().world.into_parts();
     let Some(Geometry::Mesh(mesh)) = geometries.pop() else { panic!("a sphere is a mesh") };
-    let place = |index: usize| Placement {
-        geometry: 0,
-        object_to_world: Affine3::from_translation(Vec3::new((index % 100) as f32, (index / 100) as f32, 0.0) * 3.0),
-        paint: Paint::Own,
+    let place = |index: usize| {
+        let at = Vec3::new((index % 100) as f32, (index / 100) as f32, 0.0) * 3.0;
+        Placement::new(0, Affine3::from_translation(at))
     };
     let world = World::new(vec![Geometry::Mesh(mesh)], (0..instances).map(place).collect()).unwrap();
     let scene = Scene::<MollerTrumbore<f32>>::new(world);

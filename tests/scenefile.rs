@@ -556,7 +556,7 @@ fn built_in_scenes_are_files_that_load() {
         let LoadedScene { world, view, .. } = built_in(name);
         // The camera must see something.
         let rays = view.camera(32, 32).rays(32, 32);
-        let hits = trace(&Scene::<Woop<f32>>::new(world), &rays, false, Mode::Packet);
+        let hits = trace(&Scene::<Woop<f32>>::new(world), &rays, Mode::Packet);
         assert!(hits.iter().filter(|hit| hit.mask).count() > 300, "{name}");
     }
     let forest = built_in("forest:5e3").world;
@@ -683,8 +683,8 @@ fn corrupted_files_neither_panic_nor_make_invalid_worlds() {
                 if loaded % 100 == 0 {
                     let scene = Scene::<Woop<f32>>::new(world);
                     let rays = view.camera(4, 4).rays(4, 4);
-                    let scalar = trace(&scene, &rays, false, Mode::Scalar);
-                    assert_eq!(scalar, trace(&scene, &rays, false, Mode::Packet));
+                    let scalar = trace(&scene, &rays, Mode::Scalar);
+                    assert_eq!(scalar, trace(&scene, &rays, Mode::Packet));
                 }
             }
             Err(error) => {
@@ -708,9 +708,9 @@ fn the_forest_has_identical_hits() {
     let LoadedScene { world, view, .. } = built_in("forest:1000");
     let scene = Scene::<Woop<f32>>::new(world);
     let rays = view.camera(64, 64).rays(64, 64);
-    let scalar = trace(&scene, &rays, false, Mode::Scalar);
+    let scalar = trace(&scene, &rays, Mode::Scalar);
     let bits = |hits: &[Hit<f32>]| hits.iter().map(Hit::to_bits).collect::<Vec<_>>();
-    assert_eq!(bits(&scalar), bits(&trace(&scene, &rays, false, Mode::Packet)));
+    assert_eq!(bits(&scalar), bits(&trace(&scene, &rays, Mode::Packet)));
     for (ray, hit) in rays.iter().zip(&scalar).step_by(1021) {
         assert_eq!(scene.closest_hit_brute_force(ray).to_bits(), hit.to_bits());
     }

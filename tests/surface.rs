@@ -138,10 +138,10 @@ type Hits = Vec<(Ray<f32>, Hit<f32>)>;
 
 /// A scene of one instance, and rays at it that hit.
 fn hits(geometry: Geometry, object_to_world: Affine3, paint: Paint, seed: u64) -> (Scene<MollerTrumbore<f32>>, Hits) {
-    let world = World::new(vec![geometry], vec![Placement { geometry: 0, object_to_world, paint }]).unwrap();
+    let world = World::new(vec![geometry], vec![Placement::new(0, object_to_world).with_paint(paint)]).unwrap();
     let rays = worlds::rays(&world, seed, 64);
     let scene = Scene::new(world);
-    let hits = trace(&scene, &rays, false, Mode::Scalar);
+    let hits = trace(&scene, &rays, Mode::Scalar);
     (scene, rays.into_iter().zip(hits).filter(|(_, hit)| hit.mask).collect())
 }
 
@@ -238,7 +238,7 @@ fn mirrors_flip_the_normals_of_triangles_but_not_of_quadrics() {
     let ray = Ray::new(Vec3::new(-8.0, 0.25, 0.5), Vec3::X);
     let normal = |placement| {
         let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries(), vec![placement]).unwrap());
-        let hit = trace(&scene, &[ray], false, Mode::Packet)[0];
+        let hit = trace(&scene, &[ray], Mode::Packet)[0];
         scene.surface(&ray, &hit).normal
     };
     assert_eq!(normal(worlds::place(0, Affine3::IDENTITY)), Vec3::NEG_X);
@@ -255,11 +255,8 @@ fn colors_come_from_the_paint() {
     let square = vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
     let mesh = Mesh::new(square, vec![[0, 1, 2], [0, 2, 3]], parts.collect()).unwrap();
     let checker = Checker { colors: [Vec3::ONE, Vec3::ZERO], uv_to_squares: Affine2::from_scale(Vec2::new(8.0, 2.0)) };
-    let at = |x: f32, geometry, paint| Placement {
-        geometry,
-        object_to_world: Affine3::from_translation(Vec3::X * x),
-        paint,
-    };
+    let at =
+        |x: f32, geometry, paint| Placement::new(geometry, Affine3::from_translation(Vec3::X * x)).with_paint(paint);
     let instances = vec![
         at(0.0, 0, Paint::Own),
         at(2.0, 0, Paint::Plain(Vec3::splat(0.5))),
@@ -269,7 +266,7 @@ fn colors_come_from_the_paint() {
     let geometries = vec![Geometry::Mesh(mesh), Geometry::Quadric(Quadric::cylinder(1.0, 2.0))];
     let scene = Scene::<MollerTrumbore<f32>>::new(World::new(geometries, instances).unwrap());
     let surface = |ray: Ray<f32>| -> SurfacePoint {
-        let hit = trace(&scene, &[ray], false, Mode::Scalar)[0];
+        let hit = trace(&scene, &[ray], Mode::Scalar)[0];
         scene.surface(&ray, &hit)
     };
     let from_above = |x: f32, y: f32| surface(Ray::new(Vec3::new(x, y, 9.0), Vec3::NEG_Z));

@@ -3,7 +3,7 @@
 use wide::{f32x8, u32x8};
 
 use super::hit::Hit;
-use super::lanes::{Lanes, Mask8, eq8, min};
+use super::lanes::{Lanes, Mask, Mask8, eq8, min};
 
 /// Outcome of one test: which lanes hit, and with which values. A lane that misses may hold anything, also NaN.
 ///
@@ -67,11 +67,10 @@ impl<L: Lanes> Candidate<L> {
         L::or_miss(self)
     }
 
-    /// With a mask that has no further lanes, and another `t`, primitive and instance.
-    #[cfg(feature = "tracer")]
+    /// The hits, from the first lane that hits to the last.
     #[inline(always)]
-    pub(crate) fn at(self, mask: L::Mask, t: L, primitive: L::Index, instance: L::Index) -> Self {
-        Self { hit: Hit { mask, t, u: self.hit.u, v: self.hit.v, primitive, instance } }
+    pub fn hits(&self) -> impl Iterator<Item = Hit<f32>> {
+        self.hit.mask.set_lanes().map(|lane| self.hit.lane(lane))
     }
 
     /// The values of all lanes, also of those that miss.
@@ -116,11 +115,25 @@ impl Candidate<f32x8> {
         Self { hit: Hit { mask, t, u, v, primitive: number, instance: number } }
     }
 
+    /// Only the hits in these lanes, with another `t`, which must be a number there.
+    #[inline(always)]
+    pub fn narrowed(self, lanes: Mask8, t: f32x8) -> Self {
+        let Hit { mask, u, v, primitive, instance, .. } = self.hit;
+        Self { hit: Hit { mask: mask & lanes, t, u, v, primitive, instance } }
+    }
+
     /// With these primitive numbers: eight of one primitive, or those of eight primitives that met one ray.
     #[inline(always)]
     pub fn of_primitives(self, primitive: u32x8) -> Self {
         let Hit { mask, t, u, v, instance, .. } = self.hit;
         Self { hit: Hit { mask, t, u, v, primitive, instance } }
+    }
+
+    /// In this instance.
+    #[inline(always)]
+    pub fn of_instance(self, instance: u32) -> Self {
+        let Hit { mask, t, u, v, primitive, .. } = self.hit;
+        Self { hit: Hit { mask, t, u, v, primitive, instance: u32x8::splat(instance) } }
     }
 
     /// The first of the lanes that hit, in the order of [`Hit::is_closer_than`]. For one ray against eight primitives,

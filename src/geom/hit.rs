@@ -94,6 +94,19 @@ impl Hit<f32x8> {
         Candidate::<f32x8>::new(mask & eq8(t, t) & eq8(u, u) & eq8(v, v), t, u, v).or_miss()
     }
 
+    /// Lane `i` becomes `lanes[i]`.
+    #[inline]
+    pub fn from_lanes(lanes: &[Hit<f32>; 8]) -> Self {
+        Self {
+            mask: Mask8::from_lanes(lanes.map(|hit| hit.mask)),
+            t: f32x8::new(lanes.map(|hit| hit.t)),
+            u: f32x8::new(lanes.map(|hit| hit.u)),
+            v: f32x8::new(lanes.map(|hit| hit.v)),
+            primitive: u32x8::new(lanes.map(|hit| hit.primitive)),
+            instance: u32x8::new(lanes.map(|hit| hit.instance)),
+        }
+    }
+
     /// The first of the lanes in the order of [`Hit::is_closer_than`]. For one ray against eight primitives, that is
     /// the closest hit.
     #[inline]
@@ -207,5 +220,6 @@ mod tests {
                 assert_eq!((hit.mask, hit.to_bits()), (expected.mask, expected.to_bits()));
             }
         }
+        assert_eq!(Hit::from_lanes(&packet.lanes()), packet);
     }
 }

@@ -46,6 +46,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
+use crate::geom::Candidate;
 use crate::geom::lanes::{self, Lanes, Mask8, Vec3x8, gt8, le8, lt8};
 use crate::kernels::aabb::{InverseDirection, Slabs, pad, pad8, slab_interval, slab_interval8};
 
@@ -98,4 +99,17 @@ impl TInterval<f32x8> {
     pub fn clamp(&self, t: f32x8) -> f32x8 {
         lanes::min8(self.exit, lanes::max8(self.entry, t))
     }
+}
+
+/// Applies the rule to the candidates of one ray and eight primitives, or of eight rays and one primitive. `bounds` are
+/// the primitives' own boxes.
+#[inline(always)]
+pub fn apply8(
+    candidate: Candidate<f32x8>,
+    bounds: &Slabs<f32x8>,
+    origin: Vec3x8,
+    setup: &InverseDirection<f32x8>,
+) -> Candidate<f32x8> {
+    let (inside, interval) = TInterval::<f32x8>::of_each(bounds, origin, setup);
+    candidate.narrowed(inside, interval.clamp(candidate.t()))
 }

@@ -156,6 +156,18 @@ impl Info {
         Self { setup, ..self }
     }
 
+    /// Whether the kernel makes this promise.
+    pub const fn claims_to(&self, claim: Claim) -> bool {
+        let mut index = 0;
+        while index < self.claims.len() {
+            if self.claims[index] as u8 == claim as u8 {
+                return true;
+            }
+            index += 1;
+        }
+        false
+    }
+
     /// With these promises.
     #[must_use]
     pub const fn with_claims(self, claims: &'static [Claim]) -> Self {

@@ -108,8 +108,17 @@ impl Task<Triangle> for Trace<'_> {
         let start = Instant::now();
         let scene = pool.install(|| kernels.scene::<K>(world));
         let build_seconds = start.elapsed().as_secs_f64();
-        let mut hits = vec![Hit::MISS; rays.len()];
-        let mut trace = || pool.install(|| tracer::trace_into(&scene, &rays, any_hit, mode, &mut hits));
+        let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], Vec::new());
+        let mut trace = || {
+            pool.install(|| {
+                if any_hit {
+                    occluded.resize(rays.len(), false);
+                    tracer::occluded_into(&scene, &rays, mode, &mut occluded);
+                } else {
+                    tracer::trace_into(&scene, &rays, mode, &mut hits);
+                }
+            });
+        };
         progress.note(&format!("{}: tracing", arguments.scene.name()));
         trace(); // a warm-up, which is not counted
         let mut rates = Vec::new();
@@ -117,6 +126,9 @@ impl Task<Triangle> for Trace<'_> {
             let start = Instant::now();
             trace();
             rates.push(rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
+        }
+        for (hit, mask) in hits.iter_mut().zip(occluded) {
+            *hit = Hit::<f32>::new(mask, 0.0, 0.0, 0.0);
         }
         let result = TraceResult {
             scene: arguments.scene.scene.clone(),

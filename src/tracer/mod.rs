@@ -64,10 +64,12 @@ pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
 pub use memory::check_memory;
 pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
-pub use scene::{Checker, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
-#[cfg(feature = "study")]
-pub(crate) use trace::threads_refused;
+pub use scene::{Checker, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{
-    Mode, checksum, count, read_rays, start_global_pool, thread_pool, trace, trace_into, write_hits, write_rays,
+    Mode, Traceable, checksum, occluded, occluded_into, read_rays, start_global_pool, thread_pool, trace, trace_into,
+    traversal_stats, write_hits, write_rays,
 };
+#[cfg(feature = "study")]
+pub(crate) use trace::{threads_refused, trace_set_into};
 pub use walk::TraversalStats;
+pub use walk::filter::{Everything, Filter};

@@ -180,7 +180,7 @@ fn a_hit_file_holds_the_hits_in_the_order_of_the_ray_file() {
     rays.truncate(1003);
     rays[5].dir = Vec3::NAN;
     rays[6] = Ray::INACTIVE;
-    let expected = trace(&Scene::<Cramer<f32>>::new(world), &rays, false, Mode::Scalar);
+    let expected = trace(&Scene::<Cramer<f32>>::new(world), &rays, Mode::Scalar);
 
     let (ray_file, hit_file) = (folder.0.join("in.rays"), folder.0.join("out.hits"));
     write_rays(&ray_file, &rays).unwrap();

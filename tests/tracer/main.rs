@@ -16,7 +16,8 @@ use raylanes::kernels::triangle::{Cramer, MollerTrumbore, Woop};
 use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{
-    Camera, Geometry, LoadedScene, Mesh, Mode, Part, Scene, SceneSource, World, count, thread_pool, trace, trace_into,
+    Camera, Geometry, LoadedScene, Mesh, Mode, Part, Scene, SceneSource, World, occluded_into, thread_pool, trace,
+    trace_into, traversal_stats,
 };
 
 use random::Random;
@@ -76,14 +77,24 @@ fn retrace<K: Kernel<Shape = Triangle>>(
     mode: Mode,
 ) -> Vec<Hit<f32>> {
     let mut hits = vec![Hit::<f32>::new(true, -1.0, 0.0, 0.0); rays.len()];
-    trace_into(scene, rays, any_hit, mode, &mut hits);
+    if any_hit {
+        for turn in [false, true] {
+            let mut occluded: Vec<_> = (0..rays.len()).map(|index| (index % 2 == 0) == turn).collect();
+            occluded_into(scene, rays, mode, &mut occluded);
+            let masks = occluded.into_iter().map(|mask| Hit::<f32>::new(mask, 0.0, 0.0, 0.0));
+            let first = std::mem::replace(&mut hits, masks.collect());
+            assert!(!turn || first == hits, "{}: a value was not overwritten", mode.name());
+        }
+    } else {
+        trace_into(scene, rays, mode, &mut hits);
+    }
     hits
 }
 
 /// Traces the rays in every way. Brute force traces every `stride`-th ray.
 fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[Ray<f32>], stride: usize) {
     let name = format!("{name}, {}", K::INFO.id);
-    let expected = trace(scene, rays, false, Mode::Scalar);
+    let expected = trace(scene, rays, Mode::Scalar);
     let hits = expected.iter().filter(|hit| hit.mask).count();
     assert!(hits * 5 > rays.len(), "{name}: only {hits} of {} rays hit", rays.len());
 
@@ -111,14 +122,14 @@ fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[
             pool.install(|| {
                 assert_same(&way, rays, &expected, &retrace(scene, rays, false, mode));
                 assert_same(&format!("{way}, any hit"), rays, &masks(&expected), &retrace(scene, rays, true, mode));
-                let got = trace(scene, &shuffled, false, mode);
+                let got = trace(scene, &shuffled, mode);
                 assert_same(&format!("{way}, shuffled"), &shuffled, &expected_shuffled, &got);
             });
         }
     }
     // A partial packet, and no rays.
-    assert_same(&format!("{name}, partial"), rays, &expected[..13], &trace(scene, &rays[..13], false, Mode::Packet));
-    assert!(trace(scene, &[], false, Mode::Packet).is_empty());
+    assert_same(&format!("{name}, partial"), rays, &expected[..13], &trace(scene, &rays[..13], Mode::Packet));
+    assert!(trace(scene, &[], Mode::Packet).is_empty());
 }
 
 struct EveryKernel<'a> {
@@ -193,7 +204,7 @@ fn the_lower_primitive_number_wins_ties() {
     let many = worlds::mesh(mesh.positions().to_vec(), triangles);
     let rays = hard_rays(&mesh, 4_000);
     registry::triangles(&mut EveryKernel { name: "copies", world: many.clone().into(), rays: &rays, stride: 4 });
-    let hits = trace(&Scene::<Cramer<f32>>::from(many), &rays, false, Mode::Packet);
+    let hits = trace(&Scene::<Cramer<f32>>::from(many), &rays, Mode::Packet);
     assert!(hits.iter().all(|hit| !hit.mask || (hit.primitive as usize) < mesh.len()));
 }
 
@@ -297,7 +308,7 @@ fn odd_worlds_have_identical_hits() {
             assert!(brute.iter().all(|hit| !hit.mask || hit.t.is_finite()));
             for mode in Mode::ALL {
                 let what = format!("{scale:e}, {reach:e}, {}", mode.name());
-                assert_same(&what, &rays, &brute, &trace(&scene, &rays, false, mode));
+                assert_same(&what, &rays, &brute, &trace(&scene, &rays, mode));
             }
         }
     }
@@ -356,8 +367,8 @@ fn coherent_rays_have_identical_hits() {
         every_way(name, &scene, &rays, 16);
         // Blocks are traced as one: a block visits few more nodes than one of its rays.
         let rays = &rays[..12_800];
-        let hits = trace(&scene, rays, false, Mode::Scalar).iter().filter(|hit| hit.mask).count() as u64;
-        let [scalar, single, packet, _] = Mode::ALL.map(|mode| count(&scene, rays, false, mode));
+        let hits = trace(&scene, rays, Mode::Scalar).iter().filter(|hit| hit.mask).count() as u64;
+        let [scalar, single, packet, _] = Mode::ALL.map(|mode| traversal_stats(&scene, rays, false, mode));
         assert!(packet.nodes * 5 < single.nodes, "{name}: {packet:?}, {single:?}");
         for (counts, width) in [(scalar, 1), (single, 8), (packet, 8)] {
             assert!(counts.rays == 12_800 && counts.leaves > 0, "{name}: {counts:?}");
@@ -379,12 +390,12 @@ fn diverging_rays_have_identical_hits_and_few_more_tests() {
     }
     let scene = Scene::<Woop<f32>>::new(world);
     for any_hit in [false, true] {
-        let expected = trace(&scene, &rays, any_hit, Mode::Single);
+        let expected = retrace(&scene, &rays, any_hit, Mode::Single);
         for mode in [Mode::Packet, Mode::Auto] {
             assert_same("turned rays", &rays, &expected, &retrace(&scene, &rays, any_hit, mode));
         }
         let [single, packet, auto] =
-            [Mode::Single, Mode::Packet, Mode::Auto].map(|mode| count(&scene, &rays, any_hit, mode));
+            [Mode::Single, Mode::Packet, Mode::Auto].map(|mode| traversal_stats(&scene, &rays, any_hit, mode));
         assert!(packet.tests.max(auto.tests) < 3 * single.tests, "{packet:?}, {auto:?}, {single:?}");
     }
 }
@@ -415,7 +426,7 @@ fn a_large_ground_does_not_hide_a_small_object() {
     let view = |at: Vec3| Camera::new(Vec3::new(0.1, 0.3, 0.3) + at, Vec3::new(0.0, 0.05, 0.0) + at, 40.0, 64, 64);
     let tests = |ground, at: Vec3, any_hit, mode| {
         let scene = Scene::<Woop<f32>>::new(ball_on_ground(ground, at));
-        count(&scene, &view(at).rays(64, 64), any_hit, mode).tests
+        traversal_stats(&scene, &view(at).rays(64, 64), any_hit, mode).tests
     };
     for mode in Mode::ALL {
         for any_hit in [false, true] {
@@ -500,12 +511,12 @@ fn world_boxes_are_rounded_outwards() {
 fn an_identity_transform_changes_no_hit() {
     let mesh = built_in_mesh("sphere:1e3");
     let rays = hard_rays(&mesh, 4_000);
-    let alone = trace(&Scene::<MollerTrumbore<f32>>::from(mesh.clone()), &rays, false, Mode::Scalar);
+    let alone = trace(&Scene::<MollerTrumbore<f32>>::from(mesh.clone()), &rays, Mode::Scalar);
     let instances = vec![place(0, Affine3::from_translation(Vec3::splat(1e9))), place(0, Affine3::IDENTITY)];
     let world = World::new(vec![Geometry::Mesh(mesh)], instances).unwrap();
     let scene = Scene::<MollerTrumbore<f32>>::new(world);
     for mode in Mode::ALL {
-        let mut hits = trace(&scene, &rays, false, mode);
+        let mut hits = trace(&scene, &rays, mode);
         for hit in hits.iter_mut().filter(|hit| hit.mask) {
             assert_eq!(hit.instance, 1);
             hit.instance = 0;
@@ -576,7 +587,7 @@ impl Visitor<Triangle> for TreeAgainstBruteForce<'_> {
         let brute: Vec<_> = self.rays.iter().map(|ray| scene.closest_hit_brute_force(ray)).collect();
         for mode in Mode::ALL {
             let what = format!("{} triangles, {}, {}", self.mesh.len(), K::INFO.id, mode.name());
-            assert_same(&what, self.rays, &brute, &trace(&scene, self.rays, false, mode));
+            assert_same(&what, self.rays, &brute, &trace(&scene, self.rays, mode));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Affine3, Mat3, Quat, Vec2, Vec3};
 use raylanes::geom::{Aabb, Quadric, Ray, Triangle};
-use raylanes::tracer::{Geometry, Mesh, Paint, Part, Placement, SceneSource, World};
+use raylanes::tracer::{Geometry, Mesh, Part, Placement, SceneSource, World};
 
 use crate::random::Random;
 
@@ -76,7 +76,7 @@ pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
 
 /// An instance with the geometry's own paint.
 pub(crate) fn place(geometry: usize, object_to_world: Affine3) -> Placement {
-    Placement { geometry: geometry as u32, object_to_world, paint: Paint::Own }
+    Placement::new(geometry as u32, object_to_world)
 }
 
 /// A rotation, mirror, shear or scale, near the origin or far from it.

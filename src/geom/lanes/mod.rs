@@ -19,7 +19,7 @@ mod vec;
 
 pub use mask::{Mask, Mask8, SetLanes, eq8, ge8, gt8, le8, lt8, ne8, sign_bit, sign_bit8};
 pub use ops::{max, max8, min, min8, power_of_two, power_of_two8, sqrt, sqrt8, t_in_range, t_in_range8};
-#[cfg(fused)]
+#[cfg(any(fused, doc))]
 pub use ops::{mul_add, mul_add8};
 pub use ops_f64::{
     DVec3x8, Mask64, dot_f64x8, double8, ge64, le64, lt64, sign_bit_f64x8, sqrt_f64, sqrt_f64x8, to_f32x8, to_f64x8,

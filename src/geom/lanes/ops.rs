@@ -71,7 +71,7 @@ pub fn power_of_two8(a: f32x8) -> f32x8 {
 }
 
 /// `a·b + c`, rounded once.
-#[cfg(fused)]
+#[cfg(any(fused, doc))]
 #[inline(always)]
 pub fn mul_add(a: f32, b: f32, c: f32) -> f32 {
     // `f32::mul_add` is not in core. The compiler keeps one of these four lanes.
@@ -80,7 +80,7 @@ pub fn mul_add(a: f32, b: f32, c: f32) -> f32 {
 }
 
 /// [`mul_add`] in eight lanes.
-#[cfg(fused)]
+#[cfg(any(fused, doc))]
 #[inline(always)]
 pub fn mul_add8(a: f32x8, b: f32x8, c: f32x8) -> f32x8 {
     a.mul_add(b, c)

@@ -8,19 +8,24 @@
 //! The kernels differ for two kinds of rays. One runs parallel to a slab, with `0/0` or `0·∞` on its planes. The
 //! other grazes an edge or a corner, where entry and exit differ only by rounding.
 
-mod division;
-#[cfg(fused)]
-mod fused;
-mod padded;
-mod reciprocal;
-mod sign_selected;
+pub mod division;
+#[cfg(any(fused, doc))]
+pub mod fused;
+pub mod padded;
+pub mod reciprocal;
+pub mod sign_selected;
 
+#[doc(inline)]
 pub use division::Division;
-#[cfg(fused)]
+#[cfg(any(fused, doc))]
+#[doc(inline)]
 pub use fused::Fused;
+#[doc(inline)]
 pub use padded::Padded;
 pub(crate) use padded::{pad, pad8};
+#[doc(inline)]
 pub use reciprocal::Reciprocal;
+#[doc(inline)]
 pub use sign_selected::SignSelected;
 
 use glam::Vec3;

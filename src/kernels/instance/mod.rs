@@ -5,14 +5,18 @@
 //! same in both spaces, and the interval stays. The methods, one file each, differ in where they round. Only
 //! `instance/baked` transforms the shape; the others are compared with it.
 
-mod baked;
-mod f64;
-mod inverse;
-mod subtract_first;
+pub mod baked;
+pub mod f64;
+pub mod inverse;
+pub mod subtract_first;
 
+#[doc(inline)]
 pub use baked::Baked;
+#[doc(inline)]
 pub use f64::SubtractFirstF64;
+#[doc(inline)]
 pub use inverse::Inverse;
+#[doc(inline)]
 pub use subtract_first::SubtractFirst;
 
 use glam::{Affine3, DMat3, Mat3, Vec3};

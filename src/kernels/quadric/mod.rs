@@ -20,16 +20,20 @@
 //! second time where b² is much larger than a·c: next to the surface, or where `a` is small. These kernels compute it
 //! from the other root.
 
-mod mixed;
-mod naive;
+pub mod mixed;
+pub mod naive;
 // The file has the name of the kernel's ID. A module `f64` would hide the type `f64` in this file.
 #[path = "f64.rs"]
-mod quadric_f64;
-mod stable;
+pub mod quadric_f64;
+pub mod stable;
 
+#[doc(inline)]
 pub use mixed::Mixed;
+#[doc(inline)]
 pub use naive::Naive;
+#[doc(inline)]
 pub use quadric_f64::QuadricF64;
+#[doc(inline)]
 pub use stable::Stable;
 
 use glam::{DMat3, DVec3, Vec3};

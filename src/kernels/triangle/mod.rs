@@ -7,36 +7,49 @@
 //! speed, and whole scenes at 0.87 to 1.04 times. A branch in `triangle/woop` only for packets whose rays all have
 //! one axis gave 1.05 times the speed for primary rays of a mesh, and 0.93 times for its shadow rays.
 
-mod baldwin_weber;
-mod cramer;
-mod exact;
-#[cfg(fused)]
-mod exact_fused;
-mod exact_half_open;
-mod exact_t;
-mod kensler_shirley;
-mod moller_trumbore;
-mod moller_trumbore_f64;
-mod pluecker;
-mod woop;
-#[cfg(fused)]
-mod woop_dop;
-mod woop_half_open;
+pub mod baldwin_weber;
+pub mod cramer;
+pub mod exact;
+#[cfg(any(fused, doc))]
+pub mod exact_fused;
+pub mod exact_half_open;
+pub mod exact_t;
+pub mod kensler_shirley;
+pub mod moller_trumbore;
+pub mod moller_trumbore_f64;
+pub mod pluecker;
+pub mod woop;
+#[cfg(any(fused, doc))]
+pub mod woop_dop;
+pub mod woop_half_open;
 
+#[doc(inline)]
 pub use baldwin_weber::BaldwinWeber;
+#[doc(inline)]
 pub use cramer::Cramer;
+#[doc(inline)]
 pub use exact::Exact;
-#[cfg(fused)]
+#[cfg(any(fused, doc))]
+#[doc(inline)]
 pub use exact_fused::ExactFused;
+#[doc(inline)]
 pub use exact_half_open::ExactHalfOpen;
+#[doc(inline)]
 pub use exact_t::ExactT;
+#[doc(inline)]
 pub use kensler_shirley::KenslerShirley;
+#[doc(inline)]
 pub use moller_trumbore::MollerTrumbore;
+#[doc(inline)]
 pub use moller_trumbore_f64::MollerTrumboreF64;
+#[doc(inline)]
 pub use pluecker::Pluecker;
+#[doc(inline)]
 pub use woop::{Shear, Shear8, Woop};
-#[cfg(fused)]
+#[cfg(any(fused, doc))]
+#[doc(inline)]
 pub use woop_dop::WoopDop;
+#[doc(inline)]
 pub use woop_half_open::WoopHalfOpen;
 
 use glam::{DVec3, Vec3};

@@ -15,7 +15,7 @@ use crate::kernels::Kernel;
 use crate::study::progress::Progress;
 use crate::study::record::CoherenceRow;
 use crate::study::workload::{direction, rng};
-use crate::tracer::{Camera, Error, LoadedScene, Mode, Scene, SceneSource, count, thread_pool};
+use crate::tracer::{Camera, Error, LoadedScene, Mode, Scene, SceneSource, thread_pool, traversal_stats};
 
 /// The jitters that are measured: 0 gives the rays of the picture, 1 gives random rays.
 pub const JITTERS: [f64; 9] = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0];
@@ -48,7 +48,7 @@ pub(crate) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec
         let timings = time(&jobs, samples, &progress)?;
         let jitters = JITTERS.iter().flat_map(|jitter| [jitter; Mode::ALL.len()]);
         rows.extend(jobs.iter().zip(timings).zip(jitters).map(|((job, timing), &jitter)| {
-            let counts = count(job.scene, &job.set.rays, job.set.any_hit, job.mode);
+            let counts = traversal_stats(job.scene, &job.set.rays, job.set.any_hit, job.mode);
             let [mrays_per_second, mrays_per_second_mad] = timing.mrays_per_second();
             CoherenceRow {
                 scene: (*name).into(),

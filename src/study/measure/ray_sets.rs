@@ -31,7 +31,7 @@ pub const NAMES: [&str; 4] = ["primary", "shadow", "bounce", "ambient occlusion"
 /// Bounce and ambient occlusion rays depend on `seed`. They are the same on every machine for the same primary hits.
 pub fn ray_sets<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, view: &View, size: u32, seed: u64) -> [RaySet; 4] {
     let pixels = view.camera(size, size).rays(size, size);
-    let hits = trace(scene, &pixels, false, Mode::Auto);
+    let hits = trace(scene, &pixels, Mode::Auto);
     let diagonal = scene.bounds().extent().length();
     let sample = (seed ^ (seed >> 32)) as u32;
     let surfaces = surfaces(scene, &pixels, &hits);
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn secondary_rays_leave_the_surface_on_the_visible_side() {
         let (scene, view, [primary, shadow, bounce, occlusion]) = sets(7);
-        let hits = trace(&scene, &primary.rays, false, Mode::Scalar);
+        let hits = trace(&scene, &primary.rays, Mode::Scalar);
         let seen: Vec<_> = primary.rays.iter().zip(&hits).filter(|(_, hit)| hit.mask).collect();
         assert!(seen.len() > primary.rays.len() / 2, "the room is closed, so most rays hit");
         assert_eq!([&bounce, &occlusion].map(|set| set.rays.len()), [seen.len(); 2]);
@@ -99,7 +99,7 @@ mod tests {
     fn the_seed_determines_the_rays() {
         let hits = |seed| {
             let (scene, _, sets) = sets(seed);
-            sets.map(|set| checksum(&trace(&scene, &set.rays, false, Mode::Scalar)))
+            sets.map(|set| checksum(&trace(&scene, &set.rays, Mode::Scalar)))
         };
         let (first, again, other) = (hits(1), hits(1), hits(2));
         assert_eq!(first, again);

@@ -11,7 +11,7 @@ use super::ray_sets::RaySet;
 use super::stats::{mad, median};
 use crate::geom::Hit;
 use crate::study::progress::Progress;
-use crate::tracer::{Error, Mode, Scene, checksum, trace_into};
+use crate::tracer::{Error, Mode, Scene, checksum, trace_set_into};
 
 /// A set of rays, and how to trace it.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ pub(crate) fn time(jobs: &[Job], samples: usize, progress: &Progress) -> Result<
         hits.fill(unset);
         let seconds = job.pool.install(|| {
             let start = Instant::now();
-            trace_into(job.scene, &job.set.rays, job.set.any_hit, job.mode, hits);
+            trace_set_into(job.scene, &job.set.rays, job.set.any_hit, job.mode, hits);
             start.elapsed().as_secs_f64()
         });
         (seconds, checksum(hits), hits.iter().filter(|hit| hit.mask).count())

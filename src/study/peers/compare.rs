@@ -200,7 +200,7 @@ mod peer_tests {
         let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e3").unwrap().load().unwrap();
         let scene = Scene::<TracerKernel>::new(world);
         let [primary, ..] = ray_sets(&scene, &view, 64, 7);
-        let reference = trace(&scene, &primary.rays, false, Mode::Scalar);
+        let reference = trace(&scene, &primary.rays, Mode::Scalar);
         for peer in rust_peers(plain_mesh(scene.world()).unwrap()) {
             let mut hits = vec![Hit::MISS; reference.len()];
             peer.scene.trace(&primary.rays, false, &mut hits);

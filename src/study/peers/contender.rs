@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::{Claim, Kernel};
 use crate::study::record::OURS;
-use crate::tracer::{Geometry, Mesh, Mode, Scene, World, trace_into};
+use crate::tracer::{Geometry, Mesh, Mode, Scene, World, trace_set_into};
 
 /// A scene that is ready to be traced by some tracer.
 pub trait Tracer: Send + Sync {
     /// Finds the closest hit of every ray, or, with `any_hit`, only whether there is a hit. Runs on the threads of the
-    /// current rayon pool. Up to rounding, hits are those of [`trace_into`].
+    /// current rayon pool. Up to rounding, hits are those of [`trace_set_into`].
     fn trace(&self, rays: &[Ray<f32>], any_hit: bool, hits: &mut [Hit<f32>]);
 }
 
@@ -25,7 +25,7 @@ struct Ours<'a, K: Kernel> {
 
 impl<K: Kernel<Shape = Triangle>> Tracer for Ours<'_, K> {
     fn trace(&self, rays: &[Ray<f32>], any_hit: bool, hits: &mut [Hit<f32>]) {
-        trace_into(self.scene, rays, any_hit, self.mode, hits);
+        trace_set_into(self.scene, rays, any_hit, self.mode, hits);
     }
 }
 

@@ -18,7 +18,11 @@ pub struct Picture {
 
 impl Picture {
     /// A picture from one colour per ray, in the order of [`Camera::rays`](super::camera::Camera::rays).
-    pub(super) fn from_rays(width: u32, height: u32, colors: &[Vec3]) -> Self {
+    ///
+    /// # Panics
+    /// If there is not one colour for each pixel.
+    pub fn from_rays(width: u32, height: u32, colors: &[Vec3]) -> Self {
+        assert_eq!(colors.len(), width as usize * height as usize, "one colour for each pixel");
         let mut pixels = vec![Vec3::ZERO; colors.len()];
         for (pixel, color) in block_order(width, height).into_iter().zip(colors) {
             pixels[pixel as usize] = *color;

@@ -11,7 +11,7 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::meshes::generator::{hash, unit_interval};
 use crate::tracer::scene::{Scene, SurfacePoint};
-use crate::tracer::trace::{Mode, trace};
+use crate::tracer::trace::{Mode, occluded};
 
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,13 +89,13 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
         let size = self.scene.bounds().extent().length();
         self.color_blocks(|_, rays, surfaces| {
             let shadow_rays = shadow_rays(surfaces, light, size);
-            let shadowed = trace(self.scene, &shadow_rays, true, self.mode);
+            let shadowed = occluded(self.scene, &shadow_rays, self.mode);
             let lit = |index: usize| {
                 let Some(surface) = &surfaces[index] else { return BACKGROUND };
                 let shadow_ray = &shadow_rays[index];
                 // Surfaces reflect on both sides, but only the side that faces the eye is seen. If the light is behind
                 // it, the shadow ray is inactive.
-                let is_lit = shadow_ray.t_min <= shadow_ray.t_max && !shadowed[index].mask;
+                let is_lit = shadow_ray.t_min <= shadow_ray.t_max && !shadowed[index];
                 let cosine = shadow_ray.dir.normalize_or_zero().dot(surface.normal).abs();
                 let direct = if is_lit { cosine } else { 0.0 };
                 surface.color * (AMBIENT * facing(&rays[index], surface) + (1.0 - AMBIENT) * direct)
@@ -111,8 +111,8 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
             let mut open = vec![0; rays.len()];
             for sample in 0..OCCLUSION_RAYS {
                 let rays = hemisphere_rays(surfaces, first, sample, reach, 1.0);
-                for (open, occluded) in open.iter_mut().zip(trace(self.scene, &rays, true, self.mode)) {
-                    *open += u32::from(!occluded.mask);
+                for (open, occluded) in open.iter_mut().zip(occluded(self.scene, &rays, self.mode)) {
+                    *open += u32::from(!occluded);
                 }
             }
             let grey = |open: u32| Vec3::splat(open as f32 / OCCLUSION_RAYS as f32);

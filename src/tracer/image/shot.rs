@@ -24,5 +24,5 @@ pub struct Shot {
 
 /// The closest hits of a picture's rays, in the order of [`Camera::rays`].
 pub fn picture_hits<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot) -> Vec<Hit<f32>> {
-    trace(scene, &shot.camera.rays(shot.width, shot.height), false, shot.mode)
+    trace(scene, &shot.camera.rays(shot.width, shot.height), shot.mode)
 }

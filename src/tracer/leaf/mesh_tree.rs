@@ -5,7 +5,7 @@ use wide::{f32x8, u32x8};
 
 use crate::geom::{Candidate, Lanes, Ray, Triangle};
 use crate::kernels::aabb::{InverseDirection, Slabs};
-use crate::kernels::box_rule::TInterval;
+use crate::kernels::box_rule::{self, TInterval};
 use crate::kernels::{Intersect, Kernel, Shape};
 use crate::tracer::bvh::{Boxes, Bvh, Leaf};
 use crate::tracer::meshes::Mesh;
@@ -73,13 +73,15 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     ) -> Candidate<f32x8> {
         let LeafTriangles { prepared, numbers } = &self.leaves[leaf];
         let hit = prepared.candidate(ray, setup);
-        let interval = || TInterval::<f32x8>::of_each(&self.boxes(leaf).slabs(), ray.origin, &slabs());
-        counter.test(|| (interval().0.bits() & ((1 << numbers.len()) - 1)).count_ones());
+        let boxes = || self.boxes(leaf).slabs();
+        counter.test(|| {
+            let (inside, _) = TInterval::<f32x8>::of_each(&boxes(), ray.origin, &slabs());
+            (inside.bits() & ((1 << numbers.len()) - 1)).count_ones()
+        });
         if !hit.mask().any() {
             return hit;
         }
-        let (inside, interval) = interval();
-        hit.at(hit.mask() & inside, interval.clamp(hit.t()), u32x8::new(numbers.0), u32x8::splat(0))
+        box_rule::apply8(hit, &boxes(), ray.origin, &slabs()).of_primitives(u32x8::new(numbers.0))
     }
 
     /// The hits of a packet with one triangle, by the box rule; possibly in no lane. `None` if the kernel reports no
@@ -116,8 +118,7 @@ pub(super) fn apply_box_rule(
     ray: &Ray<f32x8>,
     setup: &InverseDirection<f32x8>,
 ) -> Candidate<f32x8> {
-    let (inside, interval) = TInterval::<f32x8>::of(bounds, ray.origin, setup);
-    hit.at(hit.mask() & inside, interval.clamp(hit.t()), u32x8::splat(primitive), u32x8::splat(0))
+    box_rule::apply8(hit, &bounds.widen(), ray.origin, setup).of_primitives(u32x8::splat(primitive))
 }
 
 /// Per-ray data of the slab test and of the kernel.

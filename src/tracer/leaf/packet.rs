@@ -8,6 +8,7 @@ use crate::geom::{Hit, Mask8, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::bvh::Child;
 use crate::tracer::walk::Counter;
+use crate::tracer::walk::filter::Everything;
 use crate::tracer::walk::packet::{PacketHits, PacketSearch};
 use crate::tracer::walk::rays::hit_in_lane;
 use crate::tracer::walk::single;
@@ -69,7 +70,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
     fn trace_single(&mut self, child: Child, lane: usize) {
         let ray = self.ray.lane(lane);
         let before = if ANY { Hit::MISS } else { self.hits.best.lane(lane) };
-        let hit = self.tree.trace_single_below::<ANY>(child, &ray, before, self.single, self.counter);
+        let hit = self.tree.trace_single_below::<ANY, _>(child, &ray, before, &Everything, self.single, self.counter);
         if ANY {
             if hit.mask {
                 self.hits.end_in_lane(lane);

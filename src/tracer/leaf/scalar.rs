@@ -6,11 +6,13 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::kernels::box_rule::TInterval;
 use crate::tracer::walk::Counter;
+use crate::tracer::walk::filter::{Everything, Filter};
 use crate::tracer::walk::rays::ANY_HIT;
 
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// The closest hit, if its `t` is at most `farthest`. Otherwise the result is a miss, possibly with `t = farthest`,
-    /// or a hit beyond `farthest`. With `ANY`, [`ANY_HIT`] or a miss; `farthest` must then be infinite.
+    /// or a hit beyond `farthest`. With `ANY`, [`ANY_HIT`] or a miss; `farthest` must then be infinite. Only hits count
+    /// that the filter accepts.
     ///
     /// Not inlined: the scene calls it from two places, for a mesh alone and for one of many instances.
     #[inline(never)]
@@ -18,13 +20,14 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         &self,
         ray: &Ray<f32>,
         farthest: f32,
+        filter: &impl Filter,
         scratch: &mut TraversalScratch,
         counter: &mut impl Counter,
     ) -> Hit<f32> {
         let setup = Setup::<K, f32>::of(ray);
         let limit = Hit { t: farthest, ..Hit::MISS };
         self.bvh.walk_scalar::<ANY, _>(ray, &setup.slabs, limit, &mut scratch.scalar, counter, |leaf, best, counter| {
-            for candidate in self.candidates(leaf, ray, &setup, counter) {
+            for candidate in self.candidates(leaf, ray, &setup, filter, counter) {
                 if ANY {
                     *best = ANY_HIT;
                     return;
@@ -40,7 +43,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     pub(crate) fn closest_hit_brute_force(&self, ray: &Ray<f32>) -> Hit<f32> {
         let setup = Setup::<K, f32>::of(ray);
         (0..self.leaves.len())
-            .flat_map(|leaf| self.candidates(leaf, ray, &setup, &mut ()).collect::<Vec<_>>())
+            .flat_map(|leaf| self.candidates(leaf, ray, &setup, &Everything, &mut ()).collect::<Vec<_>>())
             .fold(Hit::MISS, |best, candidate| if candidate.is_closer_than(&best) { candidate } else { best })
     }
 
@@ -51,6 +54,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         leaf: usize,
         ray: &Ray<f32>,
         setup: &Setup<K, f32>,
+        filter: &impl Filter,
         counter: &mut impl Counter,
     ) -> impl Iterator<Item = Hit<f32>> {
         let LeafTriangles { prepared, numbers } = &self.leaves[leaf];
@@ -62,7 +66,8 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
                 return None;
             }
             let interval = interval()?;
-            Some(Hit { t: interval.clamp(hit.t), primitive, ..hit })
+            let hit = Hit { t: interval.clamp(hit.t), primitive, ..hit };
+            filter.accepts(ray, &hit).then_some(hit)
         })
     }
 }

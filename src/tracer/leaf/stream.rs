@@ -10,6 +10,7 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
 use crate::kernels::{Intersect, Kernel};
 use crate::tracer::walk::Counter;
+use crate::tracer::walk::filter::Everything;
 use crate::tracer::walk::rays::{ANY_HIT, packet};
 use crate::tracer::walk::stream::{self, MIN_WIDE_RAYS, StreamRay};
 
@@ -41,7 +42,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
                 numbers[len] = number;
                 len += 1;
             } else {
-                hits[usize::from(number)] = self.trace_single::<ANY>(ray, f32::INFINITY, scratch, counter);
+                hits[usize::from(number)] = self.trace_single::<ANY>(ray, f32::INFINITY, &Everything, scratch, counter);
             }
         }
         let mut search = StreamSearch::<K, ANY> { tree: self, rays, hits };

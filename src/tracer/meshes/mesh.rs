@@ -86,6 +86,19 @@ impl Mesh {
         Ok(Self { positions, triangles, parts })
     }
 
+    /// A white mesh of triangles that share no vertex.
+    ///
+    /// # Errors
+    /// Like [`Mesh::new`].
+    pub fn from_triangles(triangles: &[Triangle]) -> Result<Self, MeshError> {
+        if triangles.len() > Self::MAX_TRIANGLES / 3 {
+            return Err(MeshError::TooManyTriangles(triangles.len()));
+        }
+        let numbers = (0..triangles.len() as u32).map(|number| [3 * number, 3 * number + 1, 3 * number + 2]);
+        let positions = triangles.iter().flat_map(Triangle::vertices).collect();
+        Self::new(positions, numbers.collect(), vec![Part { first_triangle: 0, color: Vec3::ONE }])
+    }
+
     /// The vertices.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions

@@ -1,5 +1,7 @@
 //! What is traced: geometries and their instances, and the two-level scene that a kernel makes of them.
 
+mod crossings;
+mod filtered;
 mod instance;
 mod spawn;
 mod surface;
@@ -8,8 +10,9 @@ mod two_level;
 mod world;
 mod world_box;
 
+pub use filtered::Filtered;
 pub use surface::SurfacePoint;
-pub(crate) use traverse::Scratch;
+pub(crate) use traverse::{Scratch, Visible};
 pub use two_level::Scene;
 pub(crate) use world::is_singular;
 pub use world::{Checker, Geometry, Paint, Placement, World, WorldError};

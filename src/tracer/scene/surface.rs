@@ -84,11 +84,19 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             normal: normal.as_vec3(),
             uv,
             color,
-            front: normal.dot(ray.dir.as_dvec3()) <= 0.0,
+            front: comes_from_front(normal, ray),
             starts: starts(&surface, ray, hit.t, &leaving, &placement.object_to_world),
             exact_normal: normal,
             plane: normal.dot(point),
         }
+    }
+
+    /// Whether the ray of a hit came from the front side; see [`SurfacePoint::front`]. It costs less than the surface.
+    ///
+    /// # Panics
+    /// Like [`Scene::surface`].
+    pub fn is_front(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> bool {
+        comes_from_front(self.exact_surface(ray, hit).normal, ray)
     }
 
     /// Point and normal at a hit, before rounding.
@@ -118,6 +126,11 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub(super) fn primitive_of_mesh(&self, hit: &Hit<f32>) -> u32 {
         hit.primitive - self.first_primitive(hit.instance)
     }
+}
+
+/// Whether a ray comes from the side to which the normal points. True without a normal.
+fn comes_from_front(normal: DVec3, ray: &Ray<f32>) -> bool {
+    normal.dot(ray.dir.as_dvec3()) <= 0.0
 }
 
 /// The matrix of cofactors with the sign of the determinant. It is a positive multiple of the inverse transpose, which

@@ -6,8 +6,9 @@ use std::cell::RefCell;
 
 use wide::f32x8;
 
-use super::instance::Object;
+use super::instance::{AnyQuadric, Object};
 use super::two_level::Scene;
+use super::world::Placement;
 use crate::geom::lanes::{gt8, le8};
 use crate::geom::{Candidate, Hit, Mask8, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
@@ -17,6 +18,7 @@ use crate::tracer::bvh::Child;
 use crate::tracer::leaf::{MeshTree, TraversalScratch};
 use crate::tracer::walk::Counter;
 use crate::tracer::walk::block::Outcome;
+use crate::tracer::walk::filter::{Everything, Filter};
 use crate::tracer::walk::packet::{PacketHits, PacketSearch};
 use crate::tracer::walk::rays::{ANY_HIT, hit_in_lane};
 use crate::tracer::walk::single::{self, SingleRay};
@@ -24,7 +26,7 @@ use crate::tracer::walk::stack::StackStorage;
 
 /// Memory for both levels of trees.
 #[derive(Debug)]
-pub(crate) struct Scratch {
+pub struct Scratch {
     upper: TraversalScratch,
     lower: TraversalScratch,
 }
@@ -45,18 +47,22 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub(crate) fn trace_scalar<const ANY: bool>(
         &self,
         ray: &Ray<f32>,
+        visible: &Visible<impl Filter>,
         scratch: &mut Scratch,
         counter: &mut impl Counter,
     ) -> Hit<f32> {
         let Scratch { upper, lower } = scratch;
         if let Some(tree) = self.only_mesh() {
-            return tree.trace_scalar::<ANY>(ray, f32::INFINITY, lower, counter);
+            if !visible.shows(&self.world().instances()[0]) {
+                return Hit::MISS;
+            }
+            return tree.trace_scalar::<ANY>(ray, f32::INFINITY, &visible.filter, lower, counter);
         }
         let setup = InverseDirection::<f32>::of(ray);
         self.bvh.walk_scalar::<ANY, _>(ray, &setup, Hit::MISS, &mut upper.scalar, counter, |leaf, best, counter| {
             for number in self.bvh.leaves[leaf].numbers() {
-                self.intersect_instance::<ANY>(number, ray, &setup, best, |tree, ray, farthest| {
-                    tree.trace_scalar::<ANY>(ray, farthest, lower, counter)
+                self.intersect_instance::<ANY, _>(number, ray, &setup, visible, best, |tree, ray, farthest, filter| {
+                    tree.trace_scalar::<ANY>(ray, farthest, filter, lower, counter)
                 });
                 if ANY && best.mask {
                     return;
@@ -68,31 +74,37 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub(crate) fn trace_single<const ANY: bool>(
         &self,
         ray: &Ray<f32>,
+        visible: &Visible<impl Filter>,
         scratch: &mut Scratch,
         counter: &mut impl Counter,
     ) -> Hit<f32> {
         if let Some(tree) = self.only_mesh() {
-            return tree.trace_single::<ANY>(ray, f32::INFINITY, &mut scratch.lower, counter);
+            if !visible.shows(&self.world().instances()[0]) {
+                return Hit::MISS;
+            }
+            return tree.trace_single::<ANY>(ray, f32::INFINITY, &visible.filter, &mut scratch.lower, counter);
         }
         let Scratch { upper, lower } = scratch;
-        self.trace_single_below::<ANY>(self.bvh.root, ray, Hit::MISS, &mut upper.single, lower, counter)
+        self.trace_single_below::<ANY, _>(self.bvh.root, ray, Hit::MISS, visible, &mut upper.single, lower, counter)
     }
 
     /// [`Scene::trace_single`] in the subtree of `root`, starting with `best`. Not inlined: inlined, it made a scene of
     /// a single mesh 0.8 times as fast.
     #[inline(never)]
-    fn trace_single_below<const ANY: bool>(
+    #[expect(clippy::too_many_arguments, reason = "a ray on its way through two levels of trees")]
+    fn trace_single_below<const ANY: bool, F: Filter>(
         &self,
         root: Child,
         ray: &Ray<f32>,
         best: Hit<f32>,
+        visible: &Visible<F>,
         storage: &mut StackStorage<single::StackEntry>,
         lower: &mut TraversalScratch,
         counter: &mut impl Counter,
     ) -> Hit<f32> {
         let setup = InverseDirection::<f32>::of(ray);
         let walk = SingleRay::of(ray, &self.bvh.extent);
-        let mut instances = SingleSearch::<K, ANY> { scene: self, ray, setup, lower };
+        let mut instances = SingleSearch::<K, F, ANY> { scene: self, ray, setup, visible, lower };
         self.bvh.walk_single::<ANY, _>(root, &walk, best, storage, counter, &mut instances)
     }
 
@@ -158,30 +170,35 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         }
     }
 
-    /// Intersects one instance and replaces `best` by a closer hit; with `ANY`, by any hit.
+    /// Intersects one instance and replaces `best` by a closer hit that counts; with `ANY`, by any.
     ///
-    /// `trace` gets a mesh, the ray in object coordinates, and the largest useful `t`.
+    /// `trace` gets a mesh, the ray in object coordinates, the largest useful `t`, and which of its hits count.
     #[inline(always)]
-    fn intersect_instance<const ANY: bool>(
+    fn intersect_instance<const ANY: bool, F: Filter>(
         &self,
         number: u32,
         ray: &Ray<f32>,
         setup: &InverseDirection<f32>,
+        visible: &Visible<F>,
         best: &mut Hit<f32>,
-        mut trace: impl FnMut(&MeshTree<K>, &Ray<f32>, f32) -> Hit<f32>,
+        mut trace: impl FnMut(&MeshTree<K>, &Ray<f32>, f32, &InInstance<'_, K, F>) -> Hit<f32>,
     ) {
+        if !visible.shows(&self.world().instances()[number as usize]) {
+            return;
+        }
         let (instance, object) = self.instance(number);
         let Some(interval) = TInterval::<f32>::of(&instance.bounds.into(), ray.origin, setup) else { return };
         if !ANY && interval.entry > best.t {
             return;
         }
+        let filter = InInstance { scene: self, ray, number, interval, filter: &visible.filter };
         let ray = instance.ray_to_object(ray);
         // A hit beyond the box is going to be clamped to its exit, so the search ends at `best` only if the exit is
         // beyond.
         let farthest = if !ANY && interval.exit > best.t { best.t } else { f32::INFINITY };
         let hit = match object {
-            Object::Mesh(tree) => trace(tree, &ray, farthest),
-            Object::Quadric(quadric) => quadric.closest_hit(&ray),
+            Object::Mesh(tree) => trace(tree, &ray, farthest, &filter),
+            Object::Quadric(quadric) => quadric_hit(quadric, ray, &filter),
         };
         if ANY {
             if hit.mask {
@@ -196,21 +213,81 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     }
 }
 
+/// The closest hit of a quadric that counts.
+#[inline(always)]
+fn quadric_hit<F: Filter>(quadric: &dyn AnyQuadric, mut ray: Ray<f32>, filter: &F) -> Hit<f32> {
+    let hit = quadric.closest_hit(&ray);
+    if F::ALL || !hit.mask || filter.accepts(&ray, &hit) {
+        return hit;
+    }
+    // A line meets a quadric twice at most.
+    ray.t_min = hit.t.next_up();
+    let second = quadric.closest_hit(&ray);
+    if second.mask && filter.accepts(&ray, &second) { second } else { Hit::MISS }
+}
+
+/// Which instances and which hits count.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Visible<F> {
+    /// An instance counts if its mask has one of these bits.
+    pub(super) mask: u32,
+    pub(super) filter: F,
+}
+
+impl Visible<Everything> {
+    pub(crate) const EVERYTHING: Self = Self { mask: u32::MAX, filter: Everything };
+}
+
+impl<F: Filter> Visible<F> {
+    #[inline(always)]
+    fn shows(&self, placement: &Placement) -> bool {
+        placement.mask & self.mask != 0
+    }
+}
+
+/// The filter of a ray's hits inside an instance: it asks about the ray and the hit in the world.
+struct InInstance<'a, K: Kernel, F> {
+    scene: &'a Scene<K>,
+    /// The ray in the world.
+    ray: &'a Ray<f32>,
+    /// The number of the instance.
+    number: u32,
+    /// The interval of the ray in the instance's world box.
+    interval: TInterval<f32>,
+    filter: &'a F,
+}
+
+impl<K: Kernel<Shape = Triangle>, F: Filter> Filter for InInstance<'_, K, F> {
+    const ALL: bool = F::ALL;
+
+    #[inline(always)]
+    fn accepts(&self, _: &Ray<f32>, hit: &Hit<f32>) -> bool {
+        let in_world = self.scene.hit_in_world(*hit, self.number, self.interval);
+        self.filter.accepts_in_instance(self.ray, &in_world, hit.t)
+    }
+}
+
 /// One ray on its way through the instances.
-struct SingleSearch<'a, K: Kernel, const ANY: bool> {
+struct SingleSearch<'a, K: Kernel, F, const ANY: bool> {
     scene: &'a Scene<K>,
     ray: &'a Ray<f32>,
     setup: InverseDirection<f32>,
+    visible: &'a Visible<F>,
     lower: &'a mut TraversalScratch,
 }
 
-impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> single::Leaves<T> for SingleSearch<'_, K, ANY> {
+impl<K, F, T, const ANY: bool> single::Leaves<T> for SingleSearch<'_, K, F, ANY>
+where
+    K: Kernel<Shape = Triangle>,
+    F: Filter,
+    T: Counter,
+{
     #[inline(always)]
     fn test(&mut self, leaf: usize, best: &mut Hit<f32>, counter: &mut T) {
-        let Self { scene, ray, setup, lower } = self;
+        let Self { scene, ray, setup, visible, lower } = self;
         for number in scene.bvh.leaves[leaf].numbers() {
-            scene.intersect_instance::<ANY>(number, ray, setup, best, |tree, ray, farthest| {
-                tree.trace_single::<ANY>(ray, farthest, lower, counter)
+            scene.intersect_instance::<ANY, F>(number, ray, setup, visible, best, |tree, ray, farthest, filter| {
+                tree.trace_single::<ANY>(ray, farthest, filter, lower, counter)
             });
             if ANY && best.mask {
                 return;
@@ -272,7 +349,9 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
     fn trace_single(&mut self, child: Child, lane: usize) {
         let ray = self.ray.lane(lane);
         let before = if ANY { Hit::MISS } else { self.hits.best.lane(lane) };
-        let hit = self.scene.trace_single_below::<ANY>(child, &ray, before, self.single, self.lower, self.counter);
+        let Self { scene, single, lower, counter, .. } = self;
+        let everything = &Visible::EVERYTHING;
+        let hit = scene.trace_single_below::<ANY, _>(child, &ray, before, everything, single, lower, *counter);
         if !ANY {
             self.hits.keep(&hit_in_lane(lane, &hit));
         } else if hit.mask {
@@ -283,7 +362,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
 
 /// Calls `trace` with the memory of this thread. If that is in use, `trace` gets new memory: the kernel of a scene may
 /// itself trace a scene.
-fn with_scratch<T>(trace: impl FnOnce(&mut Scratch) -> T) -> T {
+pub(super) fn with_scratch<T>(trace: impl FnOnce(&mut Scratch) -> T) -> T {
     SCRATCH.with(|scratch| match scratch.try_borrow_mut() {
         Ok(mut scratch) => trace(&mut scratch),
         Err(_) => trace(&mut Scratch::new()),
@@ -296,11 +375,11 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32> for Scene<K> {
     fn setup(_: &Ray<f32>) {}
 
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
-        with_scratch(|scratch| self.trace_single::<false>(ray, scratch, &mut ())).into()
+        with_scratch(|scratch| self.trace_single::<false>(ray, &Visible::EVERYTHING, scratch, &mut ())).into()
     }
 
     fn any_hit(&self, ray: &Ray<f32>, (): &()) -> bool {
-        with_scratch(|scratch| self.trace_single::<true>(ray, scratch, &mut ())).mask
+        with_scratch(|scratch| self.trace_single::<true>(ray, &Visible::EVERYTHING, scratch, &mut ())).mask
     }
 }
 

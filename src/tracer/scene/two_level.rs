@@ -174,7 +174,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     #[inline(always)]
     pub(super) fn hit_in_world8(&self, hit: Hit<f32x8>, number: u32, interval: TInterval<f32x8>) -> Candidate<f32x8> {
         let primitive = hit.primitive + u32x8::splat(self.first_primitive(number));
-        Candidate::from(hit).at(hit.mask, interval.clamp(hit.t), primitive, u32x8::splat(number))
+        Candidate::from(hit).narrowed(hit.mask, interval.clamp(hit.t)).of_primitives(primitive).of_instance(number)
     }
 
     /// The tree of the mesh, if the world is one untransformed mesh. Its hits are then those of the scene.

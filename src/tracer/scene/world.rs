@@ -44,6 +44,7 @@ impl Geometry {
 
 /// An instance: a geometry, its transform, and its colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Placement {
     /// Number of the geometry.
     pub geometry: u32,
@@ -51,6 +52,28 @@ pub struct Placement {
     pub object_to_world: Affine3,
     /// The colours.
     pub paint: Paint,
+    /// A bit for each group that the instance belongs to. Rays see it if
+    /// [their mask](crate::tracer::Scene::with_mask) has one of these bits.
+    pub mask: u32,
+}
+
+impl Placement {
+    /// An instance in its own colours, in every group.
+    pub fn new(geometry: u32, object_to_world: Affine3) -> Self {
+        Self { geometry, object_to_world, paint: Paint::Own, mask: u32::MAX }
+    }
+
+    /// With these colours.
+    #[must_use]
+    pub fn with_paint(self, paint: Paint) -> Self {
+        Self { paint, ..self }
+    }
+
+    /// With these groups.
+    #[must_use]
+    pub fn with_mask(self, mask: u32) -> Self {
+        Self { mask, ..self }
+    }
 }
 
 /// The colours of an instance.
@@ -207,8 +230,7 @@ impl World {
 /// One instance of the mesh, untransformed, in its own colours.
 impl From<Mesh> for World {
     fn from(mesh: Mesh) -> Self {
-        let instance = Placement { geometry: 0, object_to_world: Affine3::IDENTITY, paint: Paint::Own };
-        Self { geometries: vec![Geometry::Mesh(mesh)], instances: vec![instance] }
+        Self { geometries: vec![Geometry::Mesh(mesh)], instances: vec![Placement::new(0, Affine3::IDENTITY)] }
     }
 }
 

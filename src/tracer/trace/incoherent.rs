@@ -2,7 +2,7 @@
 
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::scene::{Scene, Scratch};
+use crate::tracer::scene::{Scene, Scratch, Visible};
 use crate::tracer::walk::rays::{octant, packet};
 use crate::tracer::walk::{Counter, stream};
 
@@ -94,7 +94,7 @@ impl ByOctant {
         for numbers in octants.into_iter().flat_map(|numbers| numbers.chunks(8)) {
             if let [number] = numbers {
                 let number = usize::from(*number);
-                hits[number] = scene.trace_single::<ANY>(&rays[number], scratch, counter);
+                hits[number] = scene.trace_single::<ANY>(&rays[number], &Visible::EVERYTHING, scratch, counter);
                 continue;
             }
             let ray = packet(numbers.iter().map(|&number| &rays[usize::from(number)]));

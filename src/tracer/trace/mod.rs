@@ -8,7 +8,9 @@ mod threads;
 
 pub use mode::Mode;
 pub use ray_file::{read_rays, write_hits, write_rays};
-pub use run::{checksum, count, trace, trace_into};
+#[cfg(feature = "study")]
+pub(crate) use run::trace_set_into;
+pub use run::{Traceable, checksum, occluded, occluded_into, trace, trace_into, traversal_stats};
 #[cfg(feature = "study")]
 pub(crate) use threads::refused as threads_refused;
 pub use threads::{start_global_pool, thread_pool};

@@ -6,8 +6,9 @@ use super::incoherent::{self, IncoherentRays};
 use super::mode::Mode;
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
-use crate::tracer::scene::{Scene, Scratch};
+use crate::tracer::scene::{Filtered, Scene, Scratch, Visible};
 use crate::tracer::walk::block::{self, Outcome};
+use crate::tracer::walk::filter::Filter;
 use crate::tracer::walk::{Counter, TraversalStats};
 
 /// Rays per task. Incoherent rays become one stream per octant. A task is small enough to balance the threads and to
@@ -16,18 +17,61 @@ const CHUNK: usize = incoherent::CAPACITY;
 /// Rays that are sorted by octant together before they become packets.
 const PACKET_GROUP: usize = 256;
 
-/// Traces every ray and returns the hits in ray order. They are the same for every mode and number of threads.
-///
-/// A hit is the closest one. With `any_hit` it only tells whether there is any: `t`, `u`, `v`, `primitive` and
-/// `instance` are then zero.
-pub fn trace<K: Kernel<Shape = Triangle>>(
-    scene: &Scene<K>,
-    rays: &[Ray<f32>],
-    any_hit: bool,
-    mode: Mode,
-) -> Vec<Hit<f32>> {
+/// What rays can be traced through: a [`Scene`], or a [part of one](Filtered).
+pub trait Traceable: chunk::TraceChunk {}
+
+impl<K: Kernel<Shape = Triangle>> Traceable for Scene<K> {}
+
+impl<K: Kernel<Shape = Triangle>, F: Filter + Sync> Traceable for Filtered<'_, K, F> {}
+
+mod chunk {
+    use super::*;
+
+    /// How [`Traceable`] is traced. No other crate can implement it.
+    pub trait TraceChunk: Sync {
+        /// Traces at most [`CHUNK`] rays. With `ANY`, hits are [`ANY_HIT`](crate::tracer::walk::rays::ANY_HIT) or a
+        /// miss.
+        fn trace_chunk<const ANY: bool>(
+            &self,
+            rays: &[Ray<f32>],
+            mode: Mode,
+            hits: &mut [Hit<f32>],
+            scratch: &mut Scratch,
+        );
+    }
+
+    impl<K: Kernel<Shape = Triangle>> TraceChunk for Scene<K> {
+        fn trace_chunk<const ANY: bool>(
+            &self,
+            rays: &[Ray<f32>],
+            mode: Mode,
+            hits: &mut [Hit<f32>],
+            scratch: &mut Scratch,
+        ) {
+            super::trace_chunk::<ANY, K>(self, rays, mode, hits, scratch, &mut ());
+        }
+    }
+
+    impl<K: Kernel<Shape = Triangle>, F: Filter + Sync> TraceChunk for Filtered<'_, K, F> {
+        fn trace_chunk<const ANY: bool>(
+            &self,
+            rays: &[Ray<f32>],
+            mode: Mode,
+            hits: &mut [Hit<f32>],
+            scratch: &mut Scratch,
+        ) {
+            for (hit, ray) in hits.iter_mut().zip(rays) {
+                *hit = self.trace_one::<ANY>(ray, mode == Mode::Scalar, scratch);
+            }
+        }
+    }
+}
+
+/// The closest hit of every ray, in ray order, on the threads of the current rayon pool. Hits are the same for every
+/// mode and number of threads.
+pub fn trace(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode) -> Vec<Hit<f32>> {
     let mut hits = vec![Hit::MISS; rays.len()];
-    trace_into(scene, rays, any_hit, mode, &mut hits);
+    trace_into(scene, rays, mode, &mut hits);
     hits
 }
 
@@ -35,21 +79,61 @@ pub fn trace<K: Kernel<Shape = Triangle>>(
 ///
 /// # Panics
 /// If `hits` and `rays` differ in length.
-pub fn trace_into<K: Kernel<Shape = Triangle>>(
-    scene: &Scene<K>,
+pub fn trace_into(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode, hits: &mut [Hit<f32>]) {
+    trace_chunks::<false>(scene, rays, mode, hits);
+}
+
+/// Whether each ray hits anything, in ray order: for shadows and visibility. It is known sooner than the closest hit.
+pub fn occluded(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode) -> Vec<bool> {
+    let mut occluded = vec![false; rays.len()];
+    occluded_into(scene, rays, mode, &mut occluded);
+    occluded
+}
+
+/// [`occluded`] into an existing slice.
+///
+/// # Panics
+/// If `occluded` and `rays` differ in length.
+pub fn occluded_into(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode, occluded: &mut [bool]) {
+    assert_eq!(rays.len(), occluded.len(), "one outcome for each ray");
+    let memory = || (Scratch::new(), [Hit::MISS; CHUNK]);
+    occluded.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each_init(
+        memory,
+        |(scratch, hits), (masks, rays)| {
+            let hits = &mut hits[..rays.len()];
+            scene.trace_chunk::<true>(rays, mode, hits, scratch);
+            for (mask, hit) in masks.iter_mut().zip(hits) {
+                *mask = hit.mask;
+            }
+        },
+    );
+}
+
+/// [`trace_into`]; with `any_hit`, the hits tell only what [`occluded`] tells, and their fields are zero.
+#[cfg(feature = "study")]
+pub(crate) fn trace_set_into(
+    scene: &impl Traceable,
     rays: &[Ray<f32>],
     any_hit: bool,
     mode: Mode,
     hits: &mut [Hit<f32>],
 ) {
+    if any_hit {
+        trace_chunks::<true>(scene, rays, mode, hits);
+    } else {
+        trace_chunks::<false>(scene, rays, mode, hits);
+    }
+}
+
+fn trace_chunks<const ANY: bool>(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode, hits: &mut [Hit<f32>]) {
     assert_eq!(rays.len(), hits.len(), "hits and rays must have the same length");
     hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each_init(Scratch::new, |scratch, (hits, rays)| {
-        trace_chunk(scene, rays, any_hit, mode, hits, scratch, &mut ());
+        scene.trace_chunk::<ANY>(rays, mode, hits, scratch);
     });
 }
 
-/// Traces the rays as [`trace`] does, on one thread, and returns statistics.
-pub fn count<K: Kernel<Shape = Triangle>>(
+/// Traces the rays on one thread and returns statistics: as [`occluded`] does with `any_hit`, otherwise as [`trace`].
+pub fn traversal_stats<K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
     any_hit: bool,
@@ -58,29 +142,18 @@ pub fn count<K: Kernel<Shape = Triangle>>(
     let mut stats = TraversalStats { rays: rays.len() as u64, ..TraversalStats::default() };
     let (mut hits, mut scratch) = ([Hit::MISS; CHUNK], Scratch::new());
     for rays in rays.chunks(CHUNK) {
-        trace_chunk(scene, rays, any_hit, mode, &mut hits[..rays.len()], &mut scratch, &mut stats);
+        let hits = &mut hits[..rays.len()];
+        if any_hit {
+            trace_chunk::<true, K>(scene, rays, mode, hits, &mut scratch, &mut stats);
+        } else {
+            trace_chunk::<false, K>(scene, rays, mode, hits, &mut scratch, &mut stats);
+        }
     }
     stats
 }
 
 /// Traces at most [`CHUNK`] rays.
-fn trace_chunk<K: Kernel<Shape = Triangle>>(
-    scene: &Scene<K>,
-    rays: &[Ray<f32>],
-    any_hit: bool,
-    mode: Mode,
-    hits: &mut [Hit<f32>],
-    scratch: &mut Scratch,
-    counter: &mut impl Counter,
-) {
-    if any_hit {
-        trace_chunk_for::<true, K>(scene, rays, mode, hits, scratch, counter);
-    } else {
-        trace_chunk_for::<false, K>(scene, rays, mode, hits, scratch, counter);
-    }
-}
-
-fn trace_chunk_for<const ANY: bool, K: Kernel<Shape = Triangle>>(
+fn trace_chunk<const ANY: bool, K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
     rays: &[Ray<f32>],
     mode: Mode,
@@ -91,12 +164,12 @@ fn trace_chunk_for<const ANY: bool, K: Kernel<Shape = Triangle>>(
     match mode {
         Mode::Scalar => {
             for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = scene.trace_scalar::<ANY>(ray, scratch, counter);
+                *hit = scene.trace_scalar::<ANY>(ray, &Visible::EVERYTHING, scratch, counter);
             }
         }
         Mode::Single => {
             for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = scene.trace_single::<ANY>(ray, scratch, counter);
+                *hit = scene.trace_single::<ANY>(ray, &Visible::EVERYTHING, scratch, counter);
             }
         }
         Mode::Packet | Mode::Auto => {

@@ -7,6 +7,7 @@ pub(crate) mod block;
 mod counter;
 #[cfg(test)]
 mod culling_tests;
+pub(crate) mod filter;
 pub(crate) mod fused_slabs;
 pub(crate) mod packet;
 pub(crate) mod rays;

@@ -109,7 +109,7 @@ impl<'a> WorldBuilder<'a> {
         let (span, format::Instance { of, transform, color, checker }) = (instance.span(), instance.get_ref());
         let object_to_world = transform.as_ref().map_or(Ok(Affine3::IDENTITY), compose3)?;
         let paint = paint(&span, color.as_ref(), checker.as_ref())?;
-        self.placements.push(Placement { geometry: self.number(of)?, object_to_world, paint });
+        self.placements.push(Placement::new(self.number(of)?, object_to_world).with_paint(paint));
         Ok(())
     }
 
@@ -187,7 +187,7 @@ impl<'a> WorldBuilder<'a> {
             if is_singular(object_to_world) {
                 return Err(SpanError::new(span, format!("instance {index} has no inverse: {object_to_world}")).into());
             }
-            self.placements.push(Placement { geometry, object_to_world, paint });
+            self.placements.push(Placement::new(geometry, object_to_world).with_paint(paint));
         }
         Ok(())
     }
