@@ -114,7 +114,7 @@ impl Aim {
                 _ => numbers.power_of_ten(2, 7),
             },
             dir_scale: numbers.scale(),
-            interval: match numbers.choose([6, 2, 1, 1, 1, 1, 1]) {
+            interval: match numbers.choose([8, 2, 1, 1, 1, 1, 1]) {
                 0 => Interval::Ahead,
                 1 => Interval::Line,
                 2 => Interval::EndsAtTarget,

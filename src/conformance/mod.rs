@@ -112,7 +112,7 @@ impl Options {
         Self { packets, ..self }
     }
 
-    /// With everything that there is to check claims on. Takes about a minute.
+    /// With everything that there is to check claims on. Takes about ten seconds of computing.
     #[must_use]
     pub const fn exhaustive(self) -> Self {
         Self { exhaustive: true, ..self }
