@@ -35,10 +35,11 @@
 //! 2. [`kernels`]: the contract between twins ([`kernels::Intersect`], [`kernels::Kernel`]), then one file per
 //!    method. Start with `triangle/moller_trumbore.rs`.
 //! 3. [`registry`]: the list of kernels. Tests, benches, study and program walk it.
-//! 4. `oracle` (feature `study`): the exact answer, in integers. It knows nothing of the kernels.
-//! 5. `tracer` (feature `tracer`): meshes, quadrics and instances of them, two levels of trees, traversal, pictures.
+//! 4. `conformance` (feature `std`): checks of a kernel, also of your own.
+//! 5. `oracle` (feature `study`): the exact answer, in integers. It knows nothing of the kernels.
+//! 6. `tracer` (feature `tracer`): meshes, quadrics and instances of them, two levels of trees, traversal, pictures.
 //!    Its *box rule* makes the closest hit the same for every way of finding it.
-//! 6. `study` (feature `study`): workloads, measurement, accuracy, charts, report.
+//! 7. `study` (feature `study`): workloads, measurement, accuracy, charts, report.
 //!
 //! Each layer uses only the layers above it. `ARCHITECTURE.md` has a picture of them and the reasons behind the
 //! design.
@@ -73,8 +74,8 @@
 //! # Features
 //!
 //! With `default-features = false` the crate is the kernels alone: `no_std`, with no dependencies except glam, libm
-//! and wide. `tracer` adds scenes, `study` (the default) everything else, and `peers` other crates to compare the
-//! tracer with.
+//! and wide. `std` adds `conformance`, `tracer` scenes, `study` (the default) everything else, and `peers` other crates
+//! to compare the tracer with.
 //!
 //! [wide] chooses its instructions at compile time. Without a flag, an x86-64 build has SSE2, and packets run at half
 //! width. Build with `RUSTFLAGS="-C target-cpu=native"`, or with `x86-64-v3` for every CPU with AVX2 and FMA. Hits do
@@ -84,16 +85,22 @@
 //!
 //! Write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one line to [`registry`]. The
 //! kernel is then compared with its twin and with the oracle, benchmarked, recorded, charted, and selectable in the
-//! program. `CONTRIBUTING.md` has the steps and the commands. A kernel in your own crate can implement the same
-//! traits and run in the tracer.
+//! program. `CONTRIBUTING.md` has the steps and the commands.
+//!
+//! A kernel in your own crate can implement the same traits and run in the tracer. One call in a test,
+//! `conformance::check::<MyKernel>().assert_ok()`, compares its twins, checks its behaviour on invalid input, and holds
+//! it to its claims. The module `conformance` (feature `std`) says what is checked. `examples/own_kernel.rs` is such a
+//! kernel.
 
 // Tests use std even in a build without it.
-#![cfg_attr(not(any(feature = "std", test)), no_std)]
+#![cfg_attr(not(any(feature = "conformance", test)), no_std)]
 #![forbid(unsafe_code)]
 
 // Their types are part of this crate's interface.
 pub use {glam, wide};
 
+#[cfg(feature = "conformance")]
+pub mod conformance;
 #[cfg(feature = "tracer")]
 mod error;
 #[cfg(feature = "tracer")]

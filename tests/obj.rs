@@ -3,7 +3,6 @@
 
 mod faces;
 mod files;
-mod random;
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +13,7 @@ use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
 
 use faces::{faces, triangles_per_face};
 use files::{Files, is_short_line, mutate};
-use random::Random;
+use raylanes::conformance::Random;
 
 const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
 
@@ -522,7 +521,7 @@ fn corrupted_files_neither_panic_nor_make_wrong_meshes() {
                        f 4 3 5 1 2\nf 3 5 2 4 \n";
     const MTL: &str = "# colours\nnewmtl red\nKd 1 0 0.25\nillum 2\nnewmtl blue\nKd .5\n";
     let files = Files::new();
-    let mut random = Random(1);
+    let mut random = Random::from_seed(1);
     let (mut loaded, mut refused) = (0, 0);
     for _ in 0..20_000 {
         let text = mutate(OBJ, &PIECES, &mut random);

@@ -2,7 +2,6 @@
 //! panics.
 
 mod files;
-mod random;
 
 use std::fs;
 
@@ -15,7 +14,7 @@ use raylanes::tracer::{
 };
 
 use files::{Files, is_short_line, mutate};
-use random::Random;
+use raylanes::conformance::Random;
 
 /// A corner of a cube, as an OBJ file next to the scene files of the tests.
 const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
@@ -668,7 +667,7 @@ fn corrupted_files_neither_panic_nor_make_invalid_worlds() {
     let files = Files::new();
     files.write("corner.obj", CORNER);
     load_scene(&files.write("x.toml", SCENE)).unwrap();
-    let mut random = Random(1);
+    let mut random = Random::from_seed(1);
     let (mut loaded, mut refused, mut with_line) = (0, 0, 0);
     for round in 0..20_000 {
         let text =

@@ -1,7 +1,6 @@
 //! Tests points and normals of hits in the world against exact arithmetic, under translations, scales, shears,
 //! rotations and mirrors.
 
-mod random;
 mod worlds;
 
 use dashu_int::IBig;
@@ -10,7 +9,7 @@ use raylanes::geom::{Hit, Quadric, Ray, Triangle};
 use raylanes::kernels::triangle::MollerTrumbore;
 use raylanes::tracer::{Checker, Geometry, Mesh, Mode, Paint, Part, Placement, Scene, SurfacePoint, World, trace};
 
-use random::Random;
+use raylanes::conformance::Random;
 
 /// The exact number `int · 2^exponent`. It can hold every sum and product of `f32` and `f64`.
 #[derive(Clone, Debug)]
@@ -147,7 +146,7 @@ fn hits(geometry: Geometry, object_to_world: Affine3, paint: Paint, seed: u64) -
 
 #[test]
 fn points_and_normals_of_triangles_are_right() {
-    let mut random = Random(23);
+    let mut random = Random::from_seed(23);
     let mut seen = 0;
     for round in 0..400 {
         let size = worlds::pick(&mut random, &[1e-6, 1.0, 1.0, 1e6]);
@@ -180,7 +179,7 @@ fn points_and_normals_of_triangles_are_right() {
 
 #[test]
 fn points_and_normals_of_quadrics_are_right() {
-    let mut random = Random(29);
+    let mut random = Random::from_seed(29);
     let mut seen = 0;
     let geometries = worlds::geometries(&mut random);
     for (round, geometry) in (0..400).zip(geometries.iter().filter(|one| matches!(one, Geometry::Quadric(_))).cycle()) {
@@ -307,7 +306,7 @@ fn points_are_near_the_exact_intersection() {
     use raylanes::geom::Placed;
     use raylanes::oracle::Exact as _;
 
-    let mut random = Random(31);
+    let mut random = Random::from_seed(31);
     let mut seen = 0;
     for round in 0..400 {
         let [v0, v1, v2] = [(); 3].map(|()| worlds::vec3(&mut random));

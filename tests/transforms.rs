@@ -3,14 +3,12 @@
 //! Chains and inverses are compared with products of rational matrices, sines with their series, and normals in the
 //! world with cross products of exactly transformed edges.
 
-mod random;
-
 use dashu_ratio::RBig;
 use glam::{Affine3, DAffine2, DAffine3, DMat3, Mat3, Mat4, Vec2, Vec3};
 use raylanes::geom::{Axis, Transform2, Transform3, Triangle};
 use raylanes::kernels::instance::Instance;
 
-use random::Random;
+use raylanes::conformance::Random;
 
 /// Half an ulp of a number between 1 and 2.
 const HALF_ULP_32: f64 = 1.0 / (1u32 << 24) as f64;
@@ -135,7 +133,7 @@ fn assert_product(got: &[f32], factors: &[Rows], dyadic: bool) -> bool {
 #[test]
 fn chains_are_products_of_their_factors() {
     for dyadic in [true, false] {
-        let mut parameters = Parameters { random: Random(11), dyadic };
+        let mut parameters = Parameters { random: Random::from_seed(11), dyadic };
         let mut correctly_rounded = 0;
         for case in 0..600 {
             let length = 1 + parameters.random.below(8);
@@ -163,7 +161,7 @@ fn chains_are_products_of_their_factors() {
 
 #[test]
 fn inverses_undo_their_transforms() {
-    let mut parameters = Parameters { random: Random(12), dyadic: false };
+    let mut parameters = Parameters { random: Random::from_seed(12), dyadic: false };
     // The squares of sine and cosine have a relative error below 2⁻⁵⁰; an inverted factor is rounded.
     let bound = exact(8.0 * HALF_ULP_64 * 2.5);
     let check = |matrix: Rows, inverse: Rows, is_exact: bool, what: &dyn std::fmt::Display| {
@@ -210,7 +208,7 @@ fn series(degrees: f32) -> [RBig; 2] {
 
 #[test]
 fn sines_and_cosines_keep_their_documented_error() {
-    let mut parameters = Parameters { random: Random(13), dyadic: false };
+    let mut parameters = Parameters { random: Random::from_seed(13), dyadic: false };
     for case in 0..500 {
         let degrees = match case {
             0..400 => parameters.degrees(),
@@ -302,7 +300,7 @@ fn transform(parameters: &mut Parameters) -> Affine3 {
 
 #[test]
 fn normals_are_near_those_of_exactly_transformed_triangles() {
-    let mut parameters = Parameters { random: Random(14), dyadic: false };
+    let mut parameters = Parameters { random: Random::from_seed(14), dyadic: false };
     let (mut mirrors, mut worst, mut conditions) = (0, 0f64, [0; 3]);
     for _ in 0..3000 {
         let transform = transform(&mut parameters);

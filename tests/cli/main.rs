@@ -6,8 +6,6 @@ mod interrupted;
 #[cfg(unix)]
 mod mutations;
 #[cfg(unix)]
-#[path = "../random/mod.rs"]
-mod random;
 #[cfg(unix)]
 mod resources;
 

@@ -4,8 +4,8 @@
 
 use std::os::unix::process::ExitStatusExt;
 
-use crate::random::Random;
 use crate::*;
+use raylanes::conformance::Random;
 
 /// Arguments, right and wrong ones. No study is among them: it takes too long.
 const WORDS: [&str; 44] = [
@@ -75,7 +75,7 @@ fn damaged(content: &[u8], random: &mut Random) -> Vec<u8> {
 #[test]
 fn random_command_lines_and_damaged_files_give_one_line() {
     let folder = Folder::new("mutations");
-    let random = &mut Random(2026);
+    let random = &mut Random::from_seed(2026);
     let mut outcomes = [0; 2];
     let rounds = std::env::var("RAYLANES_ROUNDS").map_or(150, |rounds| rounds.parse().unwrap());
     for round in 0..rounds {

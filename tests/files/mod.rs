@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use tempfile::TempDir;
 
-use crate::random::Random;
+use raylanes::conformance::Random;
 
 /// A directory for one test's files.
 pub(crate) struct Files(TempDir);

@@ -4,8 +4,6 @@
 //! two threads, closest hit and any hit.
 
 mod pictures;
-#[path = "../random/mod.rs"]
-mod random;
 #[path = "../worlds/mod.rs"]
 mod worlds;
 
@@ -20,13 +18,13 @@ use raylanes::tracer::{
     trace_into, traversal_stats,
 };
 
-use random::Random;
+use raylanes::conformance::Random;
 use worlds::{built_in_mesh, on_triangle, pick, place, unit, vec3};
 
 /// Rays that are hard to trace: at vertices and edges, where triangles have the same `t`; along axes, within planes of
 /// boxes; and with every kind of interval. Some miss everything.
 fn hard_rays(mesh: &Mesh, count: usize) -> Vec<Ray<f32>> {
-    let mut random = Random(7);
+    let mut random = Random::from_seed(7);
     let size = mesh.bounds().extent().length();
     (0..count)
         .map(|_| {
@@ -104,7 +102,7 @@ fn every_way<K: Kernel<Shape = Triangle>>(name: &str, scene: &Scene<K>, rays: &[
     assert_same(&format!("{name}: tree and brute force"), &some, &brute, &tree);
 
     let mut order: Vec<usize> = (0..rays.len()).collect();
-    let mut random = Random(1);
+    let mut random = Random::from_seed(1);
     for last in (1..order.len()).rev() {
         order.swap(last, random.below(last + 1));
     }
@@ -174,7 +172,7 @@ fn built_in_scenes_of_instances_have_identical_hits() {
 /// Blocks of rays meet the same few triangles one after the other. The triangles end inside blocks and packets.
 #[test]
 fn large_overlapping_triangles_have_identical_hits() {
-    let mut random = Random(29);
+    let mut random = Random::from_seed(29);
     let world = World::from(worlds::some_triangles(&mut random, 8));
     let eye = Vec3::new(1.0, 0.5, 3.0);
     let mut rays = Camera::new(eye, Vec3::ZERO, 45.0, 96, 96).rays(96, 96);
@@ -210,7 +208,7 @@ fn the_lower_primitive_number_wins_ties() {
 
 /// Instances of all geometries at random places. Some are at the same place, some are exact copies.
 fn scattered(seed: u64, count: usize) -> World {
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     let geometries = worlds::geometries(&mut random);
     let mut instances = vec![place(0, Affine3::IDENTITY)];
     while instances.len() < count {
@@ -228,7 +226,7 @@ fn scattered(seed: u64, count: usize) -> World {
 /// some rotated to themselves, sheared or mirrored, some far from the origin. Their faces are in planes of their boxes
 /// and of the other boxes.
 fn coincident(seed: u64, count: usize) -> World {
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     let sizes = [Vec3::ONE, Vec3::splat(3.0), Vec3::splat(0.7), Vec3::splat(1e-3), Vec3::new(0.3, 1.1, 17.0)];
     let flats = sizes.map(|size| worlds::cuboid(size * Vec3::new(1.0, 1.0, 0.0)));
     let geometries = sizes.map(worlds::cuboid).into_iter().chain(flats).map(Geometry::Mesh).collect();
@@ -289,7 +287,7 @@ impl Visitor<Quadric> for EveryQuadric<'_> {
 /// Instances at the ends of the range of `f32`: their boxes, rays and distances overflow or are subnormal.
 #[test]
 fn odd_worlds_have_identical_hits() {
-    let mut random = Random(13);
+    let mut random = Random::from_seed(13);
     for scale in [1e-42, 1e-38, 1e-20, 1e20, 1e38, f32::MAX] {
         for reach in [0.0, 1.0, 1e20, f32::MAX] {
             let geometries = worlds::geometries(&mut random);
@@ -358,7 +356,7 @@ fn coherent_rays(mesh: &Mesh, random: &mut Random) -> Vec<Ray<f32>> {
 fn coherent_rays_have_identical_hits() {
     for name in ["room:small", "terrain:1e3", "sphere:small"] {
         let mesh = built_in_mesh(name);
-        let mut rays = coherent_rays(&mesh, &mut Random(21));
+        let mut rays = coherent_rays(&mesh, &mut Random::from_seed(21));
         // Very long and very short directions: their inverses are tiny and huge.
         for (ray, scale) in rays.clone().into_iter().zip([1e-30, 1e-20, 1e20, 1e30].into_iter().cycle()).step_by(7) {
             rays.push(Ray { origin: ray.origin, dir: ray.dir * scale, t_min: ray.t_min, t_max: ray.t_max / scale });
@@ -383,7 +381,7 @@ fn coherent_rays_have_identical_hits() {
 #[test]
 fn diverging_rays_have_identical_hits_and_few_more_tests() {
     let LoadedScene { world, view, .. } = SceneSource::parse("terrain:1e5").unwrap().load().unwrap();
-    let mut random = Random(23);
+    let mut random = Random::from_seed(23);
     let mut rays = view.camera(64, 64).rays(64, 64);
     for ray in &mut rays {
         ray.dir += vec3(&mut random) * (0.03 * ray.dir.length());
@@ -448,7 +446,7 @@ fn a_large_ground_does_not_hide_a_small_object() {
 /// often need the clamp.
 #[test]
 fn hits_of_an_instance_are_clamped_to_its_world_box() {
-    let mut random = Random(17);
+    let mut random = Random::from_seed(17);
     let (mut same, mut clamped, mut removed) = (0, 0, 0);
     for _ in 0..300 {
         let mesh = worlds::cuboid(vec3(&mut random));
@@ -551,7 +549,7 @@ fn primitives_count_through_all_geometries() {
 /// Meshes that are hard for trees: one triangle, many at one place, points, lines, sizes at the ends of the range.
 #[test]
 fn odd_meshes_have_identical_hits() {
-    let mut random = Random(11);
+    let mut random = Random::from_seed(11);
     for scale in [1e-42, 1e-30, 1.0, 1e15, 1e30, f32::MAX] {
         for count in [1, 2, 3, 5, 9, 100] {
             for kind in 0..4 {
@@ -597,7 +595,7 @@ impl Visitor<Triangle> for TreeAgainstBruteForce<'_> {
 /// triangle's own box.
 #[test]
 fn hits_stay_in_their_own_box() {
-    let mut random = Random(3);
+    let mut random = Random::from_seed(3);
     let (mut removed, mut kept) = (0, 0);
     for _ in 0..200_000 {
         let triangle = Triangle { v0: vec3(&mut random), v1: vec3(&mut random), v2: vec3(&mut random) };

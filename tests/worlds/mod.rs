@@ -4,7 +4,7 @@ use glam::{Affine3, Mat3, Quat, Vec2, Vec3};
 use raylanes::geom::{Aabb, Quadric, Ray, Triangle};
 use raylanes::tracer::{Geometry, Mesh, Part, Placement, SceneSource, World};
 
-use crate::random::Random;
+use raylanes::conformance::Random;
 
 /// A number in 0..1.
 pub(crate) fn unit(random: &mut Random) -> f32 {
@@ -130,7 +130,7 @@ fn target(random: &mut Random, geometry: &Geometry) -> (Vec3, Vec3) {
 /// Rays at the instances: from inside, from near and from very far, along axes and edges, with zeros of both signs, and
 /// with every kind of interval. Some miss everything.
 pub(crate) fn rays(world: &World, seed: u64, count: usize) -> Vec<Ray<f32>> {
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     (0..count)
         .map(|_| {
             let &Placement { geometry, object_to_world: Affine3 { matrix3, translation }, .. } =

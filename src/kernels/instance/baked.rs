@@ -18,7 +18,7 @@
 //!
 //! **Operations:** those of the inner kernel, and its bytes.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::inverse_linear;
 use crate::geom::{Candidate, Lanes, Placed, Ray, Triangle};
@@ -63,7 +63,11 @@ impl<K: Kernel<Shape = Triangle>> Kernel for Baked<K> {
     fn prepare(&Placed { shape, object_to_world }: &Self::Shape) -> Self {
         let (linear, translation) = (object_to_world.matrix3.as_dmat3(), object_to_world.translation.as_dvec3());
         let [v0, v1, v2] = shape.vertices().map(|vertex| (linear * vertex.as_dvec3() + translation).as_vec3());
-        let can_be_hit = inverse_linear(&object_to_world).is_ok() && v0.is_finite() && v1.is_finite() && v2.is_finite();
+        // Rounding may give an area to a triangle that has none.
+        let [a, b, c] = shape.vertices().map(Vec3::as_dvec3);
+        let has_area = (b - a).cross(c - a) != DVec3::ZERO;
+        let is_finite = v0.is_finite() && v1.is_finite() && v2.is_finite();
+        let can_be_hit = has_area && is_finite && inverse_linear(&object_to_world).is_ok();
         Self(K::prepare(&Triangle { v0: if can_be_hit { v0 } else { Vec3::NAN }, v1, v2 }))
     }
 

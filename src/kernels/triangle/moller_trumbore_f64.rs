@@ -16,14 +16,15 @@
 //! `t` is lost (`leaves-lattice-plane`).
 //!
 //! **Degenerate input:** a zero determinant is a miss without a test of its own, because `u` is then NaN or infinite.
-//! If rounding makes the determinant of a triangle of zero area non-zero, the triangle can be hit.
+//! Rounding may make the determinant of a triangle of zero area non-zero, so such a triangle is stored as NaN.
 //!
 //! **Operations:** 27 multiplications, 24 additions, 1 division, all in `f64`, and 5 comparisons, 3 of them in `f64`.
 //! 36 bytes prepared.
 
+use glam::{DVec3, Vec3};
 use wide::{f32x8, f64x8};
 
-use super::Vertices;
+use super::{Vertices, normal};
 use crate::geom::lanes::{DVec3x8, Lanes, dot_f64x8, double8, ge64, le64, t_in_range, t_in_range8, to_f32x8};
 use crate::geom::{Candidate, Ray, Triangle};
 use crate::kernels::aabb::Slabs;
@@ -57,7 +58,9 @@ impl Kernel for MollerTrumboreF64<f32> {
     };
 
     fn prepare(shape: &Triangle) -> Self {
-        Self { vertices: shape.into() }
+        let vertices = Vertices::from(shape);
+        let has_area = normal(shape) != DVec3::ZERO;
+        Self { vertices: Vertices { v0: if has_area { vertices.v0 } else { Vec3::NAN }, ..vertices } }
     }
 
     prepared!(gather, lane);

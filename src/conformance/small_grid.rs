@@ -5,24 +5,25 @@
 
 use std::ops::{BitAnd, BitOr, Not};
 
-use raylanes::geom::{Ray, Triangle};
-use raylanes::kernels::{Claim, Intersect, Kernel};
-use raylanes::oracle::Exact;
-use rayon::prelude::*;
 use wide::f32x8;
 
-use crate::meshes::{Int3, cross, dot, exactly, is_aimed, minus, plus};
-use crate::{Counts, describe};
+use super::counts::Counts;
+use super::int3::{Int3, cross, dot, exactly, is_aimed, minus, plus};
+use super::triangles::describe;
+use super::twins::hit8;
+use super::{Options, threads};
+use crate::geom::{Ray, Triangle};
+use crate::kernels::{Claim, Kernel};
 
 /// The planes of the grid along each axis, and the `t` at which a ray meets its target.
-pub(crate) struct Grid {
+pub(super) struct Grid {
     planes: [[i64; 3]; 3],
-    pub(crate) distance: i64,
+    pub(super) distance: i64,
 }
 
 /// A grid of small numbers, whose products `f32` holds exactly, and one whose products are rounded. All numbers are
 /// multiples of four: quarters of edges are then whole numbers too.
-pub(crate) const GRIDS: [Grid; 2] = [
+pub(super) const GRIDS: [Grid; 2] = [
     Grid { planes: [[0, 4, 8]; 3], distance: 2 },
     Grid {
         planes: [[-7_654_324, 1_357_908, 8_111_116], [-3_999_996, 246_812, 4_765_432], [-5_432_108, -9_876, 6_420_244]],
@@ -38,7 +39,7 @@ impl Grid {
         [self.planes[0][x], self.planes[1][y], self.planes[2][z]]
     }
 
-    pub(crate) fn points(&self) -> Vec<Int3> {
+    pub(super) fn points(&self) -> Vec<Int3> {
         (0..27).map(|index| self.point([index % 3, index / 3 % 3, index / 9])).collect()
     }
 
@@ -50,12 +51,12 @@ impl Grid {
 }
 
 /// All directions with whole coordinates from -3 to 3. Multiples of another one are left out.
-pub(crate) fn directions() -> Vec<Int3> {
+pub(super) fn directions() -> Vec<Int3> {
     let all = (0..343).map(|index| [index % 7 - 3, index / 7 % 7 - 3, index / 49 - 3]);
     all.filter(|d| ![2, 3].iter().any(|factor| d.iter().all(|x| x % factor == 0))).collect()
 }
 
-pub(crate) fn triangle(corners: [Int3; 3]) -> Triangle {
+pub(super) fn triangle(corners: [Int3; 3]) -> Triangle {
     let [v0, v1, v2] = corners.map(exactly);
     Triangle { v0, v1, v2 }
 }
@@ -97,7 +98,7 @@ impl<const N: usize> Rays<N> {
         let primitive = K::prepare(&triangle(corners));
         let mut set = Self::NONE;
         for (index, ray) in rays.iter().enumerate() {
-            let mask = Intersect::<f32x8>::hit(&primitive, ray).mask.bits();
+            let mask = hit8(&primitive, ray).mask.bits();
             set.0[index / 8] |= u64::from(mask) << (8 * (index % 8));
         }
         set
@@ -147,13 +148,13 @@ fn judge<const N: usize>(
 ) {
     for (claim, broken) in [(watertight, rays & none), (Claim::SingleHit, rays & (none | many))] {
         let first = || example(broken.first().expect("only called if a ray breaks the claim"));
-        counts.of(claim).add(rays.len(), broken.len(), first);
+        counts.add(claim, rays.len(), broken.len(), first);
     }
 }
 
-/// Counts how often a kernel breaks each claim, on all edges and all fans.
-pub(crate) fn all<K: Kernel<Shape = Triangle>>() -> Counts {
-    GRIDS.iter().map(|grid| edges::<K>(grid).plus(fans::<K>(grid))).fold(Counts::default(), Counts::plus)
+/// Counts how often a kernel breaks each claim, on edges and fans. Exhaustive: on all edges; otherwise on every sixth.
+pub(super) fn count<K: Kernel<Shape = Triangle>>(grid: &Grid, options: &Options) -> Counts {
+    edges::<K>(grid, if options.exhaustive { 1 } else { 6 }).plus(fans::<K>(grid))
 }
 
 /// The triangle of an edge whose third vertex is `point`.
@@ -165,11 +166,11 @@ struct Apex {
     hitting: [[ThroughEdge; 3]; 2],
 }
 
-/// Every pair of triangles with a common edge, with every rotation of their vertices.
-fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
+/// Every pair of triangles with a common edge, with every rotation of their vertices. Only every `step`th edge.
+fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid, step: usize) -> Counts {
     let (points, dirs) = (grid.points(), directions());
-    let pairs: Vec<_> = (0..27).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
-    let on_edge = |(a, b): (usize, usize)| {
+    let pairs: Vec<_> = (0..27).flat_map(|b| (0..b).map(move |a| (a, b))).step_by(step).collect();
+    let on_edge = |&(a, b): &(usize, usize)| {
         let (a, b) = (points[a], points[b]);
         let shots = edge_rays(grid, a, b, &dirs);
         let packets: Vec<_> = shots.chunks(8).map(Ray::from_slice).collect();
@@ -204,7 +205,7 @@ fn edges<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
         }
         counts
     };
-    pairs.into_par_iter().map(on_edge).reduce(Counts::default, Counts::plus)
+    threads::sum(&pairs, on_edge)
 }
 
 fn edge_rays(grid: &Grid, a: Int3, b: Int3, dirs: &[Int3]) -> Vec<Ray<f32>> {
@@ -251,7 +252,7 @@ impl Outcome {
 /// Every fan of three to eight triangles around a point in the middle of the grid.
 fn fans<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
     let dirs = directions();
-    let around_hub = |height: usize| {
+    let around_hub = |&height: &usize| {
         let hub = grid.point([1, 1, height]);
         let shots: Vec<_> = dirs.iter().map(|&dir| grid.ray(hub, dir)).collect();
         let packets: Vec<_> = shots.chunks(8).map(Ray::from_slice).collect();
@@ -278,7 +279,7 @@ fn fans<K: Kernel<Shape = Triangle>>(grid: &Grid) -> Counts {
         }
         counts
     };
-    (0..3).into_par_iter().map(around_hub).reduce(Counts::default, Counts::plus)
+    threads::sum(&[0, 1, 2], around_hub)
 }
 
 impl Fans<'_> {
@@ -312,30 +313,37 @@ impl Fans<'_> {
     }
 }
 
-/// Asks the oracle about the rays: each hits every triangle that it is not parallel to, on its boundary.
-pub(crate) fn confirm() {
-    let dirs = directions();
-    for grid in &GRIDS {
-        let points = grid.points();
-        let hits = (0..27usize).into_par_iter().map(|a| {
-            let mut hits = 0;
-            for b in (0..27).filter(|b| *b != a) {
-                let (a, b, c) = (points[a], points[b], points[(5 * a + 7 * b + 3) % 27]);
-                let normal = normal([a, b, c]);
-                let through_vertex = dirs.iter().map(|&dir| grid.ray(a, dir));
-                let rays = edge_rays(grid, a, b, &dirs).into_iter().chain(through_vertex);
-                for (ray, &dir) in rays.zip(dirs.iter().cycle()) {
-                    let truth = triangle([a, b, c]).truth(&ray);
-                    assert_eq!(
-                        (truth.hit, truth.boundary),
-                        (dot(normal, dir) != 0, truth.hit),
-                        "{ray:?} {a:?} {b:?} {c:?}"
-                    );
-                    hits += u32::from(truth.hit);
+#[cfg(all(test, feature = "study"))]
+mod tests {
+    use super::*;
+    use crate::oracle::Exact;
+
+    /// Asks the oracle about the rays: each hits every triangle that it is not parallel to, on its boundary.
+    #[test]
+    fn rays_meet_their_targets_exactly() {
+        let dirs = directions();
+        for grid in &GRIDS {
+            let points = grid.points();
+            let hits = (0..27usize).map(|a| {
+                let mut hits = 0;
+                for b in (0..27).filter(|b| *b != a) {
+                    let (a, b, c) = (points[a], points[b], points[(5 * a + 7 * b + 3) % 27]);
+                    let normal = normal([a, b, c]);
+                    let through_vertex = dirs.iter().map(|&dir| grid.ray(a, dir));
+                    let rays = edge_rays(grid, a, b, &dirs).into_iter().chain(through_vertex);
+                    for (ray, &dir) in rays.zip(dirs.iter().cycle()) {
+                        let truth = triangle([a, b, c]).truth(&ray);
+                        assert_eq!(
+                            (truth.hit, truth.boundary),
+                            (dot(normal, dir) != 0, truth.hit),
+                            "{ray:?} {a:?} {b:?} {c:?}"
+                        );
+                        hits += u32::from(truth.hit);
+                    }
                 }
-            }
-            hits
-        });
-        assert!(hits.sum::<u32>() > 500_000);
+                hits
+            });
+            assert!(hits.sum::<u32>() > 500_000);
+        }
     }
 }

@@ -12,13 +12,16 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use glam::Vec3;
-use raylanes::geom::{Ray, Triangle};
-use raylanes::oracle::Exact;
+use wide::f32x8;
 
-use crate::random::Random;
-
-/// A point or a direction, in units of the mesh.
-pub(crate) type Int3 = [i64; 3];
+use super::Options;
+use super::counts::Counts;
+use super::exact::decide;
+use super::int3::{Int3, cross, dot, exactly, is_aimed, minus, plus};
+use super::random::Random;
+use super::triangles::describe;
+use crate::geom::{Ray, Triangle};
+use crate::kernels::{Claim, Intersect, Kernel};
 
 /// Vertices are multiples of this: sixteenths of an edge are then whole numbers too.
 const STEP: i64 = 16;
@@ -28,43 +31,8 @@ const REACH: i64 = 1 << 23;
 /// flip a flatter triangle, or move a ray from a sixteenth of an edge to the end of the edge.
 const LEAST_ALTITUDE: i64 = 64 * STEP;
 
-pub(crate) fn minus(a: Int3, b: Int3) -> Int3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// `a + b·factor`.
-pub(crate) fn plus(a: Int3, b: Int3, factor: i64) -> Int3 {
-    [a[0] + b[0] * factor, a[1] + b[1] * factor, a[2] + b[2] * factor]
-}
-
-/// Exact for differences of points, whose products have 49 bits.
-pub(crate) fn cross(a: Int3, b: Int3) -> Int3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn dot(a: Int3, b: Int3) -> i128 {
-    (0..3).map(|axis| i128::from(a[axis]) * i128::from(b[axis])).sum()
-}
-
-/// The same point in `f32`.
-///
-/// # Panics
-///
-/// If `f32` cannot hold it exactly.
-pub(crate) fn exactly(point: Int3) -> Vec3 {
-    let rounded = point.map(|x| x as f32);
-    assert_eq!(rounded.map(|x| x as i64), point, "{point:?} needs more than 24 bits");
-    Vec3::from(rounded)
-}
-
-/// Whether `origin + t·dir` passes exactly through `target` at a positive `t`.
-pub(crate) fn is_aimed(origin: Int3, dir: Int3, target: Int3) -> bool {
-    let way = minus(target, origin);
-    cross(way, dir) == [0; 3] && dot(way, dir) > 0
-}
-
 /// The transform of a mesh to the world: its axes exchanged and mirrored, its unit a power of two.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Frame {
     axes: [usize; 3],
     signs: Vec3,
@@ -88,7 +56,7 @@ impl Frame {
 }
 
 /// Where the rays at a mesh start.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Side {
     /// Above or below, never flatter than 45°: the mesh is a height field whose slopes are lower.
     Above,
@@ -98,24 +66,26 @@ enum Side {
 
 /// What a ray is aimed at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Target {
+pub(super) enum Target {
     Edge,
     Vertex,
 }
 
 /// A ray, and what it can hit.
-pub(crate) struct Shot {
-    pub ray: Ray<f32>,
-    pub target: Target,
+#[derive(Debug)]
+pub(super) struct Shot {
+    pub(super) ray: Ray<f32>,
+    pub(super) target: Target,
     /// The triangles that the ray hits, all on their boundary, sorted; empty for a ray one ulp off its target.
-    pub around: Vec<u32>,
+    pub(super) around: Vec<u32>,
     /// Groups of eight consecutive triangles: the ray can hit no triangle outside of them.
-    pub groups: Vec<u32>,
+    pub(super) groups: Vec<u32>,
 }
 
-pub(crate) struct Mesh {
-    pub name: String,
-    pub triangles: Vec<Triangle>,
+#[derive(Debug)]
+pub(super) struct Mesh {
+    pub(super) name: String,
+    pub(super) triangles: Vec<Triangle>,
     side: Side,
     frame: Frame,
     vertices: Vec<Int3>,
@@ -126,8 +96,8 @@ impl Mesh {
     /// A lattice of `columns` by `rows` cells. Vertices and heights are moved at random, and each cell is cut along a
     /// random diagonal. Then random triangles are split in three until there are `total`. Cells are `cell` wide; 0
     /// means the greatest width that fits.
-    pub(crate) fn lattice(columns: i64, rows: i64, total: usize, cell: i64, seed: u64) -> Self {
-        let mut random = Random(seed);
+    pub(super) fn lattice(columns: i64, rows: i64, total: usize, cell: i64, seed: u64) -> Self {
+        let mut random = Random::from_seed(seed);
         let most = REACH * 3 / 2 / columns.max(rows);
         let cell = if cell == 0 { most } else { cell * STEP };
         let mut about = |range: i64| (random.below(2 * range as usize + 1) as i64 - range).div_euclid(STEP) * STEP;
@@ -159,8 +129,8 @@ impl Mesh {
     }
 
     /// `count` triangles around one vertex.
-    pub(crate) fn fan(count: usize, seed: u64) -> Self {
-        let mut random = Random(seed);
+    pub(super) fn fan(count: usize, seed: u64) -> Self {
+        let mut random = Random::from_seed(seed);
         let slope = (random.below(9) as f64 - 4.0) / 16.0;
         let mut fraction = || random.below(1 << 20) as f64 / f64::from(1 << 20);
         let round = |x: f64| x as i64 / STEP * STEP;
@@ -177,8 +147,8 @@ impl Mesh {
 
     /// A closed mesh: an octahedron, each triangle cut in four `levels` times, with vertices at about the same
     /// distance.
-    pub(crate) fn star(levels: u32, seed: u64) -> Self {
-        let mut random = Random(seed);
+    pub(super) fn star(levels: u32, seed: u64) -> Self {
+        let mut random = Random::from_seed(seed);
         let radius = REACH / 2;
         let mut vertices = Vec::new();
         for axis in 0..3 {
@@ -296,7 +266,7 @@ impl Mesh {
 
     /// `count` rays: half are aimed at edges, half at vertices, none at the border of the mesh. One in four is then
     /// moved one ulp off its target.
-    pub(crate) fn shots(&self, count: usize, seed: u64) -> Vec<Shot> {
+    pub(super) fn shots(&self, count: usize, seed: u64) -> Vec<Shot> {
         let mut edges = BTreeMap::<_, Vec<u32>>::new();
         let mut fans = vec![Vec::new(); self.vertices.len()];
         for (face, &corners) in (0..).zip(&self.faces) {
@@ -314,7 +284,7 @@ impl Mesh {
         assert!(!edges.is_empty() && !fans.is_empty(), "{}: no inner edge or vertex", self.name);
 
         let (boxes, reach) = (self.boxes(), self.reach());
-        let mut random = Random(seed);
+        let mut random = Random::from_seed(seed);
         let mut shots = Vec::new();
         for index in 0..count {
             let (point, target, around) = if index % 2 == 0 {
@@ -394,12 +364,12 @@ impl Mesh {
         (0..).zip(boxes).filter(|(_, group)| inside || near(group)).map(|(index, _)| index).collect()
     }
 
-    /// Asks the oracle: of the triangles in reach the ray hits those around the target, on their boundary, and no
-    /// others. A ray one ulp off its target hits at least one.
+    /// Asks for the exact answers: of the triangles in reach the ray hits those around the target, on their boundary,
+    /// and no others. A ray one ulp off its target hits at least one.
     fn confirm(&self, shot: &Shot) {
         let mut hits = 0;
         for triangle in shot.groups.iter().flat_map(|group| 8 * group..8 * group + 8) {
-            let truth = self.triangles[triangle as usize].truth(&shot.ray);
+            let truth = decide(&shot.ray, &self.triangles[triangle as usize]).expect("coordinates have few digits");
             hits += usize::from(truth.hit);
             if truth.hit && !shot.around.is_empty() {
                 let expected = truth.boundary && shot.around.binary_search(&triangle).is_ok();
@@ -409,6 +379,84 @@ impl Mesh {
         let enough = if shot.around.is_empty() { hits > 0 } else { hits == shot.around.len() };
         assert!(enough, "{}: {:?} hits {hits} triangles, not {:?}", self.name, shot.ray, shot.around);
     }
+
+    /// Counts how many of these rays break the claims of a kernel.
+    pub(super) fn count<K: Kernel<Shape = Triangle>>(&self, shots: &[Shot]) -> Counts {
+        let prepared: Vec<K> = self.triangles.iter().map(K::prepare).collect();
+        let packets: Vec<K::Packet> = prepared.as_chunks().0.iter().map(K::gather).collect();
+        let mut counts = Counts::default();
+        for shot in shots {
+            let ray = Ray::splat(&shot.ray);
+            let setup = <K as Intersect<f32x8>>::setup(&ray);
+            let mut hits = Vec::new();
+            for &group in &shot.groups {
+                let mask = packets[group as usize].closest_hit(&ray, &setup).mask.bits();
+                hits.extend((0..8).filter(|lane| mask >> lane & 1 == 1).map(|lane| 8 * group + lane));
+            }
+            // One ulp off the target, a hit of any triangle is enough.
+            let accepted = |hit: &u32| shot.around.is_empty() || shot.around.binary_search(hit).is_ok();
+            let leaks = !hits.iter().any(accepted);
+            let watertight = match shot.target {
+                Target::Edge => Claim::EdgeWatertight,
+                Target::Vertex => Claim::VertexWatertight,
+            };
+            for (claim, broken) in [(watertight, leaks), (Claim::SingleHit, hits.len() != 1)] {
+                counts.add(claim, 1, broken.into(), || self.describe(shot, &hits));
+            }
+        }
+        counts
+    }
+
+    /// The triangles that the ray hits, and those that a kernel reports.
+    fn describe(&self, shot: &Shot, hits: &[u32]) -> String {
+        let in_reach = shot.groups.iter().flat_map(|group| 8 * group..8 * group + 8);
+        let involved = in_reach.filter_map(|index| {
+            let (triangle, reported) = (self.triangles[index as usize], hits.binary_search(&index).is_ok());
+            let is_hit = decide(&shot.ray, &triangle).is_some_and(|truth| truth.hit);
+            (reported || is_hit).then_some((index, triangle, reported))
+        });
+        format!("{}\n{}", self.name, describe(&shot.ray, &involved.collect::<Vec<_>>()))
+    }
+}
+
+/// Random meshes, and rays that meet their edges and vertices. Exhaustive: of 8 to 65,536 triangles; otherwise up to
+/// 512.
+pub(super) fn all(options: &Options) -> Vec<(Mesh, Vec<Shot>)> {
+    type Plan = (Box<dyn Fn(u64) -> Mesh>, u64, usize);
+    let mut plans: Vec<Plan> = Vec::new();
+    // Triangles, columns and rows of a whole lattice, columns and rows of a lattice to split, seeds.
+    let sizes: [(usize, [i64; 2], i64, u64); 5] = [
+        (8, [2, 2], 1, 64),
+        (64, [4, 8], 1, 32),
+        (512, [16, 16], 4, 8),
+        (4096, [32, 64], 8, 4),
+        (65_536, [128, 256], 32, 2),
+    ];
+    let (sizes, stars, thinned) = if options.exhaustive {
+        (&sizes[..], &[(0, 64), (1, 32), (2, 16), (4, 2)][..], 1)
+    } else {
+        (&sizes[..3], &[(0, 64), (1, 32)][..], 4)
+    };
+    for &(total, [columns, rows], coarse, seeds) in sizes {
+        let shots = 8_192 / seeds as usize / thinned;
+        plans.push((Box::new(move |seed| Mesh::lattice(columns, rows, total, 0, seed)), seeds, shots));
+        plans.push((Box::new(move |seed| Mesh::lattice(columns, rows, total, 64, seed)), seeds, shots));
+        plans.push((Box::new(move |seed| Mesh::lattice(coarse, coarse, total, 0, seed)), seeds, shots));
+        // Each ray meets all triangles of a fan, so large fans get fewer rays.
+        plans.push((Box::new(move |seed| Mesh::fan(total, seed)), seeds, shots.min(1 << 21 >> total.ilog2())));
+    }
+    for &(levels, seeds) in stars {
+        plans.push((Box::new(move |seed| Mesh::star(levels, seed)), seeds, 2_048 / seeds as usize / thinned));
+    }
+    let seeded = plans.iter().enumerate().flat_map(|(index, (make, seeds, shots))| {
+        (0..*seeds).map(move |seed| {
+            let seed = options.seed_of(1_000 * index as u64 + seed);
+            let mesh = make(seed);
+            let shots = mesh.shots(*shots, !seed);
+            (mesh, shots)
+        })
+    });
+    seeded.collect()
 }
 
 /// Splits a random triangle in three, unless one of them would be too flat.
@@ -443,4 +491,33 @@ fn split(vertices: &mut Vec<Int3>, faces: &mut Vec<[usize; 3]>, random: &mut Ran
 fn along_a_curve([x, y, _]: Int3) -> u64 {
     let [x, y] = [x, y].map(|x| (x + 2 * REACH) as u64);
     (0..26).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
+}
+
+#[cfg(all(test, feature = "study"))]
+mod tests {
+    use super::*;
+    use crate::conformance::Options;
+    use crate::oracle::Exact;
+
+    /// The oracle confirms what [`Mesh::confirm`] found out, for other seeds too.
+    #[test]
+    fn rays_meet_their_targets_exactly() {
+        let mut confirmed = 0;
+        for (mesh, shots) in [0, 1, 2, u64::MAX].into_iter().flat_map(|seed| all(&Options::new().with_seed(seed))) {
+            for shot in &shots {
+                let reached = shot.groups.iter().flat_map(|group| 8 * group..8 * group + 8);
+                let truths = reached.map(|index| (index, mesh.triangles[index as usize].truth(&shot.ray)));
+                let hits: Vec<_> = truths.filter(|(_, truth)| truth.hit).collect();
+                if shot.around.is_empty() {
+                    assert!(!hits.is_empty(), "{}: {:?}", mesh.name, shot.ray);
+                } else {
+                    let found: Vec<_> = hits.iter().map(|(index, _)| *index).collect();
+                    assert_eq!(found, shot.around, "{}: {:?}", mesh.name, shot.ray);
+                    assert!(hits.iter().all(|(_, truth)| truth.boundary), "{}: {:?}", mesh.name, shot.ray);
+                }
+                confirmed += 1;
+            }
+        }
+        assert!(confirmed > 80_000, "{confirmed} rays");
+    }
 }
