@@ -48,12 +48,19 @@ const MAX_BYTES: u64 = 1 << 24;
 ///
 /// # Values
 ///
-/// A `transform` is a list of steps. The first step is applied first. The steps are `{ translate = [x, y, z] }`,
-/// `{ scale = [x, y, z] }`, `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`, and
-/// `{ shear = { axis = "x", by = "y", factor = 0.5 } }`; see [`Transform3`](crate::geom::Transform3).
+/// A `transform` is a list of steps. The first step is applied first; see [`Transform3`](crate::geom::Transform3).
+///
+/// - `{ translate = [x, y, z] }`
+/// - `{ scale = [x, y, z] }`, or `{ scale = factor }` for all axes
+/// - `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`
+/// - `{ rotate = { axis = [x, y, z], degrees = 30 } }`, about any axis through the origin; its length does not matter
+/// - `{ shear = { axis = "x", by = "y", factor = 0.5 } }`
+/// - `{ matrix = [[…], […], […]] }`, the rows of the matrix, four numbers each. The fourth column is the translation. A
+///   fourth row must be `[0, 0, 0, 1]`. The numbers are nested, because a flat list does not tell rows from columns.
 ///
 /// A `checker` has two `colors` and an optional `transform` of the plane, from the surface's (u, v) to unit squares.
 /// Its steps are `translate`, `scale`, `rotate`, `shear_x` and `shear_y`; see [`Transform2`](crate::geom::Transform2).
+/// `scale` takes two factors or one.
 ///
 /// Colours are linear red, green and blue from 0 to 1.
 ///
