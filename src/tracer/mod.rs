@@ -69,5 +69,6 @@ pub use scene::{Checker, Geometry, Paint, Placement, Scene, SurfacePoint, World,
 pub(crate) use trace::threads_refused;
 pub use trace::{
     Mode, checksum, count, read_rays, start_global_pool, thread_pool, trace, trace_into, write_hits, write_rays,
+    write_wide_hits,
 };
 pub use walk::TraversalStats;

@@ -7,7 +7,7 @@ mod run;
 mod threads;
 
 pub use mode::Mode;
-pub use ray_file::{read_rays, write_hits, write_rays};
+pub use ray_file::{read_rays, write_hits, write_rays, write_wide_hits};
 pub use run::{checksum, count, trace, trace_into};
 #[cfg(feature = "study")]
 pub(crate) use threads::refused as threads_refused;
