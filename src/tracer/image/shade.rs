@@ -17,7 +17,7 @@ use crate::tracer::trace::{Mode, trace};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shade {
-    /// Diffuse reflection of the light, with hard shadows.
+    /// Diffuse reflection of the light, with hard shadows. Surfaces look smooth where a mesh has normals.
     Lambert,
     /// The geometric normal: x, y and z from -1 to 1 as red, green and blue. It is not flipped towards the eye, so it
     /// shows the winding of triangles.
@@ -50,9 +50,11 @@ pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot, hits: &
         Shade::Normals => primary.color_each(|_, _, surface| surface.normal * 0.5 + 0.5),
         Shade::Depth => primary.depth(),
         Shade::Primitives => primary.color_each(|ray, hit, surface| {
-            distinct_color(hit.primitive ^ hit.instance.rotate_left(16)) * facing(ray, surface)
+            distinct_color(hit.primitive ^ hit.instance.rotate_left(16)) * facing(ray, surface.normal)
         }),
-        Shade::Instances => primary.color_each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface)),
+        Shade::Instances => {
+            primary.color_each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface.normal))
+        }
         Shade::AmbientOcclusion => primary.ambient_occlusion(),
     };
     Picture::from_rays(shot.width, shot.height, &colors)
@@ -98,9 +100,9 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
             let to_light = shadow_ray.dir.normalize_or_zero();
             let to_eye = -ray.dir.normalize_or_zero();
             // Surfaces reflect on both sides, but only the side that faces the eye is seen.
-            let cosine = surface.normal.dot(to_light) * to_eye.dot(surface.normal).signum();
+            let cosine = surface.shading_normal.dot(to_light) * to_eye.dot(surface.normal).signum();
             let direct = if shadowed[index].mask { 0.0 } else { cosine.max(0.0) };
-            surface.color * (AMBIENT * facing(ray, &surface) + (1.0 - AMBIENT) * direct)
+            surface.color * (AMBIENT * facing(ray, surface.shading_normal) + (1.0 - AMBIENT) * direct)
         };
         (0..self.rays.len()).into_par_iter().map(lit).collect()
     }
@@ -125,8 +127,8 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
 }
 
 /// From 0.5 for a surface seen edge-on to 1 for a surface that faces the eye.
-fn facing(ray: &Ray<f32>, surface: &SurfacePoint) -> f32 {
-    0.5 + 0.5 * ray.dir.normalize_or_zero().dot(surface.normal).abs()
+fn facing(ray: &Ray<f32>, normal: Vec3) -> f32 {
+    0.5 + 0.5 * ray.dir.normalize_or_zero().dot(normal).abs()
 }
 
 /// A bright colour for a number. Different numbers nearly always have different colours.

@@ -1,5 +1,6 @@
 //! Triangle meshes: the data, OBJ files, and generated meshes.
 
+mod corner_values;
 pub(crate) mod generator;
 mod mesh;
 mod obj;

@@ -3,6 +3,7 @@
 //! Everything is computed in `f64` from the exact transform, not from its rounded inverse, and rounded once.
 
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul, Sub};
 
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
@@ -22,7 +23,12 @@ pub struct SurfacePoint {
     /// The normal of a triangle points to the side from which its vertices in the world appear counter-clockwise. A
     /// mirroring transform flips it. The normal of a quadric points outwards, also after mirroring.
     pub normal: Vec3,
-    /// Surface parameters. On a triangle, the barycentrics u and v of the hit.
+    /// The normal for shading in the world, of unit length: where the triangle has normals at its corners, these,
+    /// interpolated as the mesh holds them and transformed by the inverse transpose. It is turned to the side of
+    /// [`SurfacePoint::normal`]. Without normals, or if they cancel, it is `normal`.
+    pub shading_normal: Vec3,
+    /// Surface parameters. On a triangle, the interpolated texture coordinates if the mesh has them there, else the
+    /// barycentrics u and v of the hit.
     ///
     /// On a quadric, u is the angle about its z axis in turns, from 0 at `+x` to 1. v is the height along z between the
     /// clip planes, from 0 to 1.
@@ -49,7 +55,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     ///
     /// Take the values of the hit as exact. The error of each coordinate of the point is then at most half an ulp plus
     /// 2⁻⁴⁷ of the largest term of its sum. The angle between the normal and the exact normal is at most 2⁻²⁴ plus 2⁻⁵⁰
-    /// times the condition number of the transform. On a quadric, add the effect of an error in the point: 2⁻⁵⁰ of the
+    /// times the condition number of the transform. The same holds for the shading normal, unless the normals at the
+    /// corners nearly cancel. On a quadric, add the effect of an error in the point: 2⁻⁵⁰ of the
     /// distance from the ray's origin to the hit, or to the object.
     ///
     /// # Panics
@@ -57,8 +64,23 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub fn surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> SurfacePoint {
         let ExactSurface { point, normal, in_object } = self.exact_surface(ray, hit);
         let placement = &self.world().instances()[hit.instance as usize];
+        let mut shading_normal = normal;
         let (uv, own_color) = match &self.world().geometries()[placement.geometry as usize] {
-            Geometry::Mesh(mesh) => (Vec2::new(hit.u, hit.v), mesh.color(self.primitive_of_mesh(hit))),
+            Geometry::Mesh(mesh) => {
+                let primitive = self.primitive_of_mesh(hit);
+                if let Some(normals) = mesh.normals(primitive) {
+                    let linear = placement.object_to_world.matrix3.as_dmat3();
+                    let world = normalized(cofactors(linear) * interpolated(hit, normals.map(Vec3::as_dvec3)));
+                    let side = world.dot(normal);
+                    if side != 0.0 {
+                        shading_normal = world * side.signum();
+                    }
+                }
+                let uv = mesh.texture_coordinates(primitive).map_or(Vec2::new(hit.u, hit.v), |corners| {
+                    interpolated(hit, corners.map(Vec2::as_dvec2)).as_vec2()
+                });
+                (uv, mesh.color(primitive))
+            }
             Geometry::Quadric(quadric) => (quadric_uv(quadric, in_object), Vec3::ONE),
         };
         let color = match &placement.paint {
@@ -66,7 +88,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             Paint::Plain(color) => *color,
             Paint::Checker(checker) => checker.at(uv),
         };
-        SurfacePoint { point: point.as_vec3(), normal: normal.as_vec3(), uv, color }
+        let (normal, shading_normal) = (normal.as_vec3(), shading_normal.as_vec3());
+        SurfacePoint { point: point.as_vec3(), normal, shading_normal, uv, color }
     }
 
     /// Point and normal at a hit, before rounding.
@@ -96,6 +119,14 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub(super) fn primitive_of_mesh(&self, hit: &Hit<f32>) -> u32 {
         hit.primitive - self.first_primitive(hit.instance)
     }
+}
+
+/// The value at a hit, from those at the corners of the triangle.
+fn interpolated<V>(hit: &Hit<f32>, [v0, v1, v2]: [V; 3]) -> V
+where
+    V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
+{
+    v0 + (v1 - v0) * f64::from(hit.u) + (v2 - v0) * f64::from(hit.v)
 }
 
 /// The matrix of cofactors with the sign of the determinant. It is a positive multiple of the inverse transpose, which
