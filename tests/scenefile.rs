@@ -86,6 +86,7 @@ fn every_kind_of_quadric_calls_its_constructor() {
         ),
         ("cone = { radius = 2, height = 3 }", Quadric::cone(2.0, 3.0)),
         ("cylinder = { radius = 2, half_height = 3 }", Quadric::cylinder(2.0, 3.0)),
+        ("plane = { half_size = [2, 3] }", Quadric::plane(Vec2::new(2.0, 3.0))),
         (
             "coefficients = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\nclip = { lo = [-1, -2, -3], hi = [1, 2, 3] }",
             Quadric {
@@ -440,6 +441,10 @@ fn errors_name_line_and_key() {
             "[[quadric]]\nname = 'q'\ncoefficients = [1, 0, 0, 0, 0, 0, 0, 0, 0, 1]\n\
              clip = { lo = [0, 0, 1], hi = [1, 1, 0] }",
             "11: quadric.name: no ray hits it: the coefficients are too large or all zero, or the box is empty: \"q\"",
+        ),
+        (
+            "[[quadric]]\nname = 'q'\nplane = { half_size = [1, 0] }",
+            "12: quadric.plane.half_size: invalid value: `0`, expected a number from 1e-15 to 1e15",
         ),
         ("[camera]\neye = [0, 0, 0]", "10: camera: missing field `look_at`"),
         (

@@ -387,6 +387,32 @@ fn colors_come_from_the_paint() {
     }
 }
 
+/// On a plane, u and v run along x and y. Its front is that of +z.
+#[test]
+fn a_plane_has_its_own_surface_parameters() {
+    let turned = Affine3::from_mat3(Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X));
+    let plane = Geometry::Quadric(Quadric::plane(Vec2::new(2.0, 4.0)));
+    let scene = Scene::<MollerTrumbore<f32>>::new(World::new(vec![plane], vec![worlds::place(0, turned)]).unwrap());
+    // The plane is x = 0 in the world, its x runs along y, and its y along z.
+    for (y, z, uv) in
+        [(-2.0, -4.0, [0.0, 0.0]), (2.0, 4.0, [1.0, 1.0]), (1.0, 0.0, [0.75, 0.5]), (0.0, 1.0, [0.5, 0.625])]
+    {
+        for side in [-1.0, 1.0] {
+            let ray = Ray::new(Vec3::new(side * 3.0, y, z), Vec3::NEG_X * side);
+            let hit = trace(&scene, &[ray], false, Mode::Packet)[0];
+            let surface = scene.surface(&ray, &hit);
+            assert_eq!((hit.t, surface.normal, surface.uv.to_array()), (3.0, Vec3::X, uv), "{y} {z}");
+        }
+    }
+    for (y, z) in [(2.001, 0.0), (0.0, -4.001)] {
+        assert!(!trace(&scene, &[Ray::new(Vec3::new(3.0, y, z), Vec3::NEG_X)], false, Mode::Scalar)[0].mask);
+    }
+    assert!(
+        !trace(&scene, &[Ray::new(Vec3::new(0.0, -9.0, 0.0), Vec3::Y)], false, Mode::Scalar)[0].mask,
+        "in the plane"
+    );
+}
+
 /// The apex of a cone has no normal. A hit there contains no NaN.
 #[test]
 fn the_normal_at_an_apex_is_zero() {

@@ -31,7 +31,7 @@ pub struct SurfacePoint {
     /// barycentrics u and v of the hit.
     ///
     /// On a quadric, u is the angle about its z axis in turns, from 0 at `+x` to 1. v is the height along z between the
-    /// clip planes, from 0 to 1.
+    /// clip planes, from 0 to 1. On a plane `z = constant`, u and v run along x and y between the clip planes.
     pub uv: Vec2,
     /// Linear red, green and blue from 0 to 1.
     pub color: Vec3,
@@ -157,11 +157,18 @@ pub(super) fn gradient(quadric: &Quadric, point: DVec3) -> DVec3 {
 
 /// Surface parameters of a quadric; see [`SurfacePoint::uv`].
 fn quadric_uv(quadric: &Quadric, point: DVec3) -> Vec2 {
-    let turn = DVec2::new(point.x, point.y).to_angle() / TAU;
-    let (bottom, top) = (f64::from(quadric.clip.lo.z), f64::from(quadric.clip.hi.z));
-    let height = if top > bottom { (point.z - bottom) / (top - bottom) } else { 0.0 };
     // The padding of the clip box allows hits slightly outside the clip planes.
-    Vec2::new((if turn < 0.0 { turn + 1.0 } else { turn }) as f32, height.clamp(0.0, 1.0) as f32)
+    let between_clip_planes = |axis: usize| {
+        let (bottom, top) = (f64::from(quadric.clip.lo[axis]), f64::from(quadric.clip.hi[axis]));
+        let share = if top > bottom { (point[axis] - bottom) / (top - bottom) } else { 0.0 };
+        share.clamp(0.0, 1.0) as f32
+    };
+    let Quadric { squares, products, linear, .. } = quadric;
+    if (*squares, *products, linear.truncate()) == (Vec3::ZERO, Vec3::ZERO, Vec2::ZERO) {
+        return Vec2::new(between_clip_planes(0), between_clip_planes(1));
+    }
+    let turn = DVec2::new(point.x, point.y).to_angle() / TAU;
+    Vec2::new((if turn < 0.0 { turn + 1.0 } else { turn }) as f32, between_clip_planes(2))
 }
 
 /// The vector scaled to unit length, for vectors of any length. Zero stays zero.

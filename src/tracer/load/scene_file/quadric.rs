@@ -20,6 +20,7 @@ pub(super) struct QuadricTable {
     hyperboloid_of_two_sheets: Option<Hyperboloid>,
     cone: Option<RadiusAndHeight>,
     cylinder: Option<Cylinder>,
+    plane: Option<Plane>,
     coefficients: Option<Array<Finite, 10>>,
     clip: Option<Clip>,
 }
@@ -67,6 +68,12 @@ struct Cylinder {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct Plane {
+    half_size: Array<Length, 2>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Clip {
     lo: Point,
     hi: Point,
@@ -100,6 +107,7 @@ impl QuadricTable {
                 .map(|sheets| Quadric::hyperboloid_of_two_sheets(three(sheets.semi_axes), sheets.half_height.0)),
             self.cone.as_ref().map(|cone| Quadric::cone(cone.radius.0, cone.height.0)),
             self.cylinder.as_ref().map(|cylinder| Quadric::cylinder(cylinder.radius.0, cylinder.half_height.0)),
+            self.plane.as_ref().map(|plane| Quadric::plane(two(plane.half_size))),
         ];
         let mut named = named.into_iter().flatten();
         match (named.next(), named.next(), &self.coefficients, &self.clip) {
