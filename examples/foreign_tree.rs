@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (triangles, rays) = (Vec::from_iter(mesh.iter()), loaded.view.camera(256, 256).rays(256, 256));
 
     let boxes: Vec<_> =
-        triangles.iter().map(Triangle::bounds).map(|b| obvhs::aabb::Aabb::new(b.lo.into(), b.hi.into()));
+        triangles.iter().map(Triangle::bounds).map(|b| obvhs::aabb::Aabb::new(b.lo.into(), b.hi.into())).collect();
     let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
     let leaf = |node: &obvhs::bvh2::node::Bvh2Node| {
         let first = node.first_index as usize;

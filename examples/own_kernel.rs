@@ -2,12 +2,10 @@
 //!
 //! `cargo run --release --example own_kernel --no-default-features --features std`
 
-use glam::Vec3;
 use raylanes::geom::lanes::{Lanes, Vec3x8, ge8, le8, t_in_range, t_in_range8};
 use raylanes::geom::{Candidate, Ray, Triangle};
 use raylanes::kernels::{Info, Intersect, Kernel, Operations};
-use raylanes::{conformance, glam, wide};
-use wide::f32x8;
+use raylanes::{conformance, glam, glam::Vec3, wide::f32x8};
 
 /// The test of Möller and Trumbore. `OwnKernel<f32>` is one triangle, `OwnKernel<f32x8>` is eight.
 #[derive(Clone, Copy, Debug)]
@@ -26,15 +24,13 @@ impl Kernel for OwnKernel<f32> {
     fn prepare(shape: &Triangle) -> Self {
         // A triangle without an area must miss. In f64, the normal of such a triangle is exactly zero.
         let [v0, v1, v2] = shape.vertices().map(Vec3::as_dvec3);
-        let has_area = (v1 - v0).cross(v2 - v0).length_squared() > 0.0;
-        let v0 = if has_area { shape.v0 } else { Vec3::NAN };
+        let v0 = if (v1 - v0).cross(v2 - v0) == glam::DVec3::ZERO { Vec3::NAN } else { shape.v0 };
         Self { v0, e1: shape.v1 - v0, e2: shape.v2 - v0 }
     }
 
     fn gather(primitives: &[Self; 8]) -> Self::Packet {
-        let [v0, e1, e2] = [|one: &Self| one.v0, |one: &Self| one.e1, |one: &Self| one.e2]
-            .map(|part| Vec3x8::from_lanes(primitives.each_ref().map(part)));
-        OwnKernel { v0, e1, e2 }
+        let eight = |part: fn(&Self) -> Vec3| Vec3x8::from_lanes(primitives.each_ref().map(part));
+        OwnKernel { v0: eight(|one| one.v0), e1: eight(|one| one.e1), e2: eight(|one| one.e2) }
     }
 
     fn lane(packet: &Self::Packet, lane: usize) -> Self {

@@ -7,7 +7,7 @@ mod files;
 use std::fs;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use raylanes::geom::Aabb;
 use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
 
@@ -171,11 +171,96 @@ fn polygons_of_many_corners_are_split() {
 
 #[test]
 fn indices_count_from_either_end() {
-    for face in ["f -4 -3 -2", "f 1/9/9 2//7 3/-5", "f 1/x/y 2/ 3//", "f +1 2 3", "\t f  1\t2  3 \t"] {
+    for face in ["f -4 -3 -2", "f 1/ 2// 3", "f +1 2 3", "\t f  1\t2  3 \t"] {
         assert_eq!(vertices(&mesh(format!("{VERTICES}{face}\n"))), [[A, B, C]], "{face}");
     }
     assert_eq!(vertices(&mesh(format!("f 1 2 3\n{VERTICES}"))), [[A, B, C]], "vertices may follow");
     assert_eq!(vertices(&mesh(format!("{VERTICES}f -1 -2 -3\nv 5 5 5\nf -5 -4 -3\n"))), [[D, C, B], [A, B, C]]);
+}
+
+/// The normals and texture coordinates of all triangles.
+type Corners = (Vec<Option<[Vec3; 3]>>, Vec<Option<[Vec2; 3]>>);
+
+fn corners(mesh: &Mesh) -> Corners {
+    let numbers = || 0..mesh.len() as u32;
+    let normals = numbers().map(|primitive| mesh.normals(primitive)).collect();
+    (normals, numbers().map(|primitive| mesh.texture_coordinates(primitive)).collect())
+}
+
+#[test]
+fn corners_keep_their_normals_and_texture_coordinates() {
+    // A concave polygon, whose triangles are no fan. The number of a corner is in both of its values.
+    let outline = [[3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0], [0.0, 0.0f32]];
+    let mut text = String::new();
+    for (number, [x, y]) in outline.iter().enumerate() {
+        text += &format!("v {x} {y} 0\nvt {number} 0.5\nvn 0 {number} 1\n");
+    }
+    // The values in another order than the vertices, and a quadrilateral with others before the polygon.
+    let text =
+        format!("{text}vn 7 7 7\nvt 9\nf 6/7/7 1/7/7 2/-1/-1 3/7/7\nf 1/1/1 2/2/2 3/3/3 4/-4/-4 5/-3/-3 6/6/6\n");
+    let loaded = mesh(text);
+    assert_eq!((loaded.len(), loaded.positions().len()), (6, 6));
+    let (normals, coordinates) = corners(&loaded);
+    assert_eq!(normals[..2], [Some([Vec3::splat(7.0); 3]); 2]);
+    assert_eq!(coordinates[..2], [Some([Vec2::new(9.0, 0.0); 3]); 2]);
+    for primitive in 2..6 {
+        let numbers = loaded.triangle(primitive).vertices().map(|vertex| {
+            outline.iter().position(|&corner| vertex == Vec3::new(corner[0], corner[1], 0.0)).unwrap() as f32
+        });
+        assert_eq!(normals[primitive as usize], Some(numbers.map(|number| Vec3::new(0.0, number, 1.0))));
+        assert_eq!(coordinates[primitive as usize], Some(numbers.map(|number| Vec2::new(number, 0.5))));
+    }
+}
+
+#[test]
+fn triangles_without_all_three_values_have_none() {
+    let x = Some([Vec3::X; 3]);
+    let uv = Some([Vec2::new(0.5, 0.25); 3]);
+    let values = "vn 1 0 0\nvt 0.5 0.25 x\n";
+    for (faces, expected) in [
+        ("f 1 2 3\nf 1//1 2//1 3//1\nf 1 2 4\n", (vec![None, x, None], vec![None; 3])),
+        ("f 1 2 3\nf 1/1 2/1 3/1\nf 1/1/ 2/1/ 3/1/\n", (vec![None; 3], vec![None, uv, uv])),
+        ("f 1/1/1 2/1/1 3//1\nf 1/1/1 2/1 3/1/1\n", (vec![x, None], vec![None, uv])),
+        // Of the triangles 1 2 4 and 1 4 3, the second one lacks a normal.
+        ("f 1//1 2//1 4//1 3\n", (vec![x, None], vec![None; 2])),
+        // Nobody uses the values.
+        ("f 1 2 3\n", (vec![None], vec![None])),
+    ] {
+        assert_eq!(corners(&mesh(format!("{VERTICES}{values}{faces}"))), expected, "{faces}");
+    }
+    // Values may follow.
+    let (normals, _) = corners(&mesh(format!("{VERTICES}f 1//2 2//2 3//2\nvn 0 0 1\nvn 1 0 0\n")));
+    assert_eq!(normals, [x]);
+    let plain = mesh(format!("{VERTICES}f 1 2 3\n"));
+    let unused = mesh(format!("{VERTICES}{values}vn nan nan nan\nvt x\nvn\nf 1 2 3\n"));
+    assert_eq!((unused.bytes(), &unused), (plain.bytes(), &plain));
+}
+
+#[test]
+fn errors_in_normals_and_texture_coordinates_name_the_line() {
+    let good = format!("{VERTICES}vn 0 0 1\nvt 0 0\nf 1/1/1 2/1/1 3/1/1\n");
+    mesh(&good);
+    for (lines, message) in [
+        ("f 1/2 2/1 3/1", "8: there is no texture coordinate 2, the file has 1: \"f 1/2 2/1 3/1\""),
+        ("f 1//1 2//1 3//2\n", "8: there is no normal 2, the file has 1: \"f 1//1 2//1 3//2\""),
+        ("\nf 1//1 2//99999999999 3//1\n", "9: there is no normal 99999999999, the file has 1: "),
+        ("f 1//0 2//1 3//1", "8: normal index is 0, but the first normal is 1: \"f 1//0 2//1 3//1\""),
+        ("f 1/1 2/-2 3/1", "8: texture coordinate index -2 counts back beyond the 1 texture coordinates so far: "),
+        ("f 1//x 2//1 3//1", "8: normal index is not a whole number: "),
+        ("f 1/1.5 2/1 3/1", "8: texture coordinate index is not a whole number: "),
+        ("f 1//9223372036854775808 2//1 3//1", "8: normal index is out of range: "),
+        ("vn 0 nan 1\nf 1//1 2//2 3//1", "8: normal is NaN: \"vn 0 nan 1\""),
+        ("f 1//1 2//3 3//1\nvn 0 0 1\nvn 0 1e39 1", "10: normal is infinite or too large: \"vn 0 1e39 1\""),
+        ("vn 0 1\nf 1//-1 2//1 3//1", "8: a normal needs 3 numbers: \"vn 0 1\""),
+        ("vt\nf 1/1 2/1 3/2", "8: a texture coordinate needs 1 number: \"vt\""),
+        ("vt 0.5 -inf\nf 1/1 2/1 3/2", "8: texture coordinate is infinite or too large: \"vt 0.5 -inf\""),
+        ("vt 0.5 ?\nf 1/1 2/1 3/2", "8: texture coordinate cannot be read: \"vt 0.5 ?\""),
+        // Of several, the first one that a face uses.
+        ("vn x\nvn y\nvn z\nf 1//1 2//3 3//2\n", "9: normal cannot be read: \"vn y\""),
+    ] {
+        let found = error(format!("{good}{lines}\n"));
+        assert!(found.starts_with(&format!("x.obj:{message}")) && is_short_line(&found), "{lines}: {found}");
+    }
 }
 
 #[test]
@@ -516,13 +601,14 @@ fn assert_is_mesh_of(text: &[u8], mesh: &Mesh, report: &ObjReport, color: impl F
 
 #[test]
 fn corrupted_files_neither_panic_nor_make_wrong_meshes() {
-    const OBJ: &str = "mtllib x.mtl\no a\nv 0 0 0\nv 1 0 0.5 2\nv 0 1e0 0 1 1 1\nv 1 1 0\nvn 0 0 1\nusemtl red\n\
-                       f 1//1 2//1 3//1\nusemtl blue\nf -4 -3 -1 \\\n-2\nl 1 2\nv 0.25 0.25 0\nusemtl red\n\
+    const OBJ: &str = "mtllib x.mtl\no a\nv 0 0 0\nv 1 0 0.5 2\nv 0 1e0 0 1 1 1\nv 1 1 0\nvn 0 0 1\nvt 0.5 1\n\
+                       usemtl red\nf 1/1/1 2//1 3/1/1\nf 1//1 3//1 4//1\nusemtl blue\n\
+                       f -4 -3 -1 \\\n-2\nl 1 2\nv 0.25 0.25 0\nusemtl red\n\
                        f 4 3 5 1 2\nf 3 5 2 4 \n";
     const MTL: &str = "# colours\nnewmtl red\nKd 1 0 0.25\nillum 2\nnewmtl blue\nKd .5\n";
     let files = Files::new();
     let mut random = Random::from_seed(1);
-    let (mut loaded, mut refused) = (0, 0);
+    let (mut loaded, mut refused, mut with_normals) = (0, 0, 0);
     for _ in 0..20_000 {
         let text = mutate(OBJ, &PIECES, &mut random);
         let obj = files.write("x.obj", &text);
@@ -533,6 +619,10 @@ fn corrupted_files_neither_panic_nor_make_wrong_meshes() {
                 loaded += 1;
                 assert!(mesh.iter().flat_map(|triangle| triangle.vertices()).all(Vec3::is_finite));
                 assert!((0..mesh.len() as u32).all(|primitive| mesh.color(primitive).max_element() <= 1.0));
+                let (normals, coordinates) = corners(&mesh);
+                assert!(normals.iter().flatten().flatten().all(|normal| normal.is_finite()));
+                assert!(coordinates.iter().flatten().flatten().all(|uv| uv.is_finite()));
+                with_normals += u32::from(normals.iter().any(Option::is_some));
                 assert!(report.warnings.iter().all(|warning| is_short_line(warning)), "{report:?}");
                 if is_intact {
                     assert_is_mesh_of(&text, &mesh, &report, |material| match material {
@@ -553,6 +643,7 @@ fn corrupted_files_neither_panic_nor_make_wrong_meshes() {
     }
     // Both branches above must have run often.
     assert!(loaded > 2_000 && refused > 2_000, "{loaded} loaded, {refused} refused");
+    assert!(with_normals > 1_000, "{with_normals} with normals");
 }
 
 /// A scene used for measurements. It is not part of the project; `None` if it is not there.

@@ -85,6 +85,7 @@ fn every_kind_of_quadric_calls_its_constructor() {
         ),
         ("cone = { radius = 2, height = 3 }", Quadric::cone(2.0, 3.0)),
         ("cylinder = { radius = 2, half_height = 3 }", Quadric::cylinder(2.0, 3.0)),
+        ("plane = { half_size = [2, 3] }", Quadric::plane(Vec2::new(2.0, 3.0))),
         (
             "coefficients = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\nclip = { lo = [-1, -2, -3], hi = [1, 2, 3] }",
             Quadric {
@@ -104,6 +105,7 @@ fn every_kind_of_quadric_calls_its_constructor() {
 #[test]
 fn transforms_apply_from_left_to_right() {
     let turned = Mat3::from_cols(Vec3::NEG_Z, Vec3::Y, Vec3::X);
+    let doubled = Mat3::from_cols_array(&[2., 0., 10., 4., 2., 12., 6., 8., 0.]);
     for (steps, matrix, translation) in [
         ("{ translate = [1, 2, 3] }, { scale = [2, 3, 4] }", Mat3::from_diagonal(Vec3::new(2., 3., 4.)), [2., 6., 12.]),
         ("{ scale = [2, 3, 4] }, { translate = [1, 2, 3] }", Mat3::from_diagonal(Vec3::new(2., 3., 4.)), [1., 2., 3.]),
@@ -115,6 +117,16 @@ fn transforms_apply_from_left_to_right() {
             "{ translate = [0, 1, 0] }, { shear = { axis = 'x', by = 'y', factor = 0.5 } }",
             Mat3::from_cols(Vec3::X, Vec3::new(0.5, 1.0, 0.0), Vec3::Z),
             [0.5, 1., 0.],
+        ),
+        ("{ translate = [1, 2, 3] }, { scale = 2 }", Mat3::from_diagonal(Vec3::splat(2.)), [2., 4., 6.]),
+        ("{ scale = -0.5 }", Mat3::from_diagonal(Vec3::splat(-0.5)), [0.; 3]),
+        ("{ rotate = { axis = [0, 3, 0], degrees = 90 } }, { translate = [1, 2, 3] }", turned, [1., 2., 3.]),
+        ("{ rotate = { axis = [1, 1, 0], degrees = 180 } }", Mat3::from_cols(Vec3::Y, Vec3::X, Vec3::NEG_Z), [0.; 3]),
+        ("{ matrix = [[1, 2, 3, 10], [0, 1, 4, 20], [5, 6, 0, 30]] }, { scale = 2 }", doubled, [20., 40., 60.]),
+        (
+            "{ scale = 2 }, { matrix = [[1, 2, 3, 10], [0, 1, 4, 20], [5, 6, 0, 30], [0, -0.0, 0, 1.0]] }",
+            doubled,
+            [10., 20., 30.],
         ),
     ] {
         let expected = Affine3 { matrix3: matrix, translation: Vec3::from_array(translation) };
@@ -137,6 +149,7 @@ fn checkers_have_their_own_transforms() {
     for (steps, matrix, translation) in [
         ("{ translate = [1, 2] }, { rotate = 90 }", Mat2::from_cols(Vec2::Y, Vec2::NEG_X), Vec2::new(-2.0, 1.0)),
         ("{ rotate = 90 }, { translate = [1, 2] }", Mat2::from_cols(Vec2::Y, Vec2::NEG_X), Vec2::new(1.0, 2.0)),
+        ("{ scale = 3 }", Mat2::from_diagonal(Vec2::splat(3.0)), Vec2::ZERO),
         ("{ shear_x = 2 }", Mat2::from_cols(Vec2::X, Vec2::new(2.0, 1.0)), Vec2::ZERO),
         ("{ shear_y = 2 }", Mat2::from_cols(Vec2::new(1.0, 2.0), Vec2::Y), Vec2::ZERO),
     ] {
@@ -261,9 +274,73 @@ fn errors_name_line_and_key() {
             "10: instance.transform.shear.of: unexpected keys in table: of, available keys: axis, by, factor",
         ),
         (
+            "transform = [{ turn = 1 }]",
+            "10: instance.transform.turn: unknown variant `turn`, expected one of `translate`, `scale`, \
+             `rotate_x`, `rotate_y`, `rotate_z`, `rotate`, `shear`, `matrix`",
+        ),
+        (
+            "transform = [{ scale = 0 }]",
+            "10: instance.transform: scaling by [0, 0, 0]: a factor of zero has no inverse",
+        ),
+        (
+            "transform = [{ scale = inf }]",
+            "10: instance.transform.scale: invalid value: `inf`, expected a finite number",
+        ),
+        (
+            "transform = [{ scale = '2' }]",
+            "10: instance.transform.scale: invalid type: string \"2\", expected a finite number or an array \
+             of length 3",
+        ),
+        (
+            "checker = { colors = [[0, 0, 0], [1, 1, 1]], transform = [{ scale = [1, 2, 3] }] }",
+            "10: instance.checker.transform.scale: invalid length 3, expected an array of length 2",
+        ),
+        (
+            "transform = [{ translate = [1, 2, 3, 4] }]",
+            "10: instance.transform.translate: invalid length 4, expected an array of length 3",
+        ),
+        (
+            "checker = { colors = [[0, 0, 0], [1, 1, 1], [0, 1, 0]] }",
+            "10: instance.checker.colors: invalid length 3, expected an array of length 2",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0, 0]] }]",
+            "10: instance.transform.matrix: invalid length 5, expected an array of length 4",
+        ),
+        (
+            "transform = [\n{ rotate_x = 3 },\n{ rotate = { axis = [0, 0, -0.0], degrees = 30 } }]",
+            "12: instance.transform: rotation about [0, 0, -0] by 30 degrees: an axis of length zero has no direction",
+        ),
+        (
+            "transform = [{ rotate = { axis = [0, nan, 1], degrees = 30 } }]",
+            "10: instance.transform.rotate.axis: invalid value: `NaN`, expected a finite number",
+        ),
+        ("transform = [{ rotate = { axis = [0, 0, 1] } }]", "10: instance.transform.rotate: missing field `degrees`"),
+        (
             "transform = [{ rotate = 1 }]",
-            "10: instance.transform.rotate: unknown variant `rotate`, expected one of `translate`, `scale`, \
-             `rotate_x`, `rotate_y`, `rotate_z`, `shear`",
+            "10: instance.transform.rotate: invalid type: integer `1`, expected a table of axis and degrees",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0],\n[0, 1, 0, 0]] }]",
+            "10: instance.transform.matrix: invalid length 2, expected 3 or 4 rows",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0],\n[0, 1, 0], [0, 0, 1]] }]",
+            "10: instance.transform.matrix: invalid length 3, expected an array of length 4",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [4, 5, 6, 1]] }]",
+            "10: instance.transform.matrix: the last of four rows must be [0, 0, 0, 1]; a translation is the last \
+             column: [4, 5, 6, 1]",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, nan], [0, 0, 1, 0]] }]",
+            "10: instance.transform.matrix: invalid value: `NaN`, expected a finite number",
+        ),
+        (
+            "transform = [{ matrix = [[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]] }]",
+            "10: instance.transform: matrix of the rows [1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]: its determinant is \
+             zero, or too near to zero, so it has no inverse",
         ),
         (
             "transform = [{ rotate_x = nan }]",
@@ -363,6 +440,10 @@ fn errors_name_line_and_key() {
             "[[quadric]]\nname = 'q'\ncoefficients = [1, 0, 0, 0, 0, 0, 0, 0, 0, 1]\n\
              clip = { lo = [0, 0, 1], hi = [1, 1, 0] }",
             "11: quadric.name: no ray hits it: the coefficients are too large or all zero, or the box is empty: \"q\"",
+        ),
+        (
+            "[[quadric]]\nname = 'q'\nplane = { half_size = [1, 0] }",
+            "12: quadric.plane.half_size: invalid value: `0`, expected a number from 1e-15 to 1e15",
         ),
         ("[camera]\neye = [0, 0, 0]", "10: camera: missing field `look_at`"),
         (
@@ -661,7 +742,9 @@ fn corrupted_files_neither_panic_nor_make_invalid_worlds() {
         [[quadric]]\nname = \"s\"\ncoefficients = [1, -1, 0, 0, 0, 0, 0, 0, -1, 0]\n\
         clip = { lo = [-1, -1, -1], hi = [1, 1, 1] }\n[[instance]]\nof = \"a\"\n[[instance]]\nof = \"s\"\n\
         transform = [{ scale = [1, 2, 1] }, { shear = { axis = \"x\", by = \"y\", factor = 0.5 } }]\n\
-        color = [0.8, 0.3, 0.2]\n[[instance]]\nof = \"q\"\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], \
+        color = [0.8, 0.3, 0.2]\n[[instance]]\nof = \"s\"\ntransform = [{ scale = 2 }, \
+        { rotate = { axis = [1, 2, 3], degrees = 30 } }, { matrix = [[1, 0, 0, 4], [2, 1, 0, 5], [0, 3, 1, 6]] }]\n\
+        [[instance]]\nof = \"q\"\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], \
         transform = [{ rotate = 30 }] }\n[[scatter]]\nof = \"c\"\non = \"a\"\ncount = 3\nseed = 1\n\
         scale = [0.5, 2]\nlean = 0.1\n";
     let files = Files::new();

@@ -169,6 +169,18 @@ mod quadrics {
         add(saddle, v(1.5, 2.0, 9.0), Vec3::NEG_Z, None);
         add(Quadric { clip: unclipped, ..saddle }, v(1.5, 2.0, 9.0), Vec3::NEG_Z, Some(6.0));
 
+        // A rectangle: from both sides, at its corner, on a slant, from a large distance, beside it and within it.
+        let rectangle = Quadric::plane(Vec2::new(2.0, 3.0));
+        add(rectangle, v(1.0, 2.0, 9.0), Vec3::NEG_Z, Some(9.0));
+        add(rectangle, v(-1.0, 0.5, -4.0), v(0.0, 0.0, 2.0), Some(2.0));
+        add(rectangle, v(2.0, -3.0, 5.0), Vec3::NEG_Z, Some(5.0));
+        add(rectangle, v(-3.0, 0.0, 4.0), v(1.0, 0.0, -1.0), Some(4.0));
+        add(rectangle, v(1.0, -1.0, 1e6), Vec3::NEG_Z, Some(1e6));
+        add(rectangle, v(2.001, 0.0, 9.0), Vec3::NEG_Z, None);
+        add(rectangle, v(0.0, -3.001, 9.0), Vec3::NEG_Z, None);
+        add(rectangle, v(0.0, 0.0, 9.0), Vec3::Z, None);
+        add(rectangle, v(0.0, -9.0, 0.0), Vec3::Y, None);
+
         // The near root is clipped away; the far one is not, or is clipped away too.
         add(bowl, v(0.0, 0.0, 9.0), Vec3::NEG_Z, Some(11.0));
         add(bowl, v(0.0, 0.0, -9.0), Vec3::Z, Some(7.0));

@@ -7,7 +7,10 @@ use dashu_int::IBig;
 use glam::{Affine2, Affine3, DMat3, Mat3, Vec2, Vec3};
 use raylanes::geom::{Hit, Quadric, Ray, Triangle};
 use raylanes::kernels::triangle::MollerTrumbore;
-use raylanes::tracer::{Checker, Geometry, Mesh, Mode, Paint, Part, Placement, Scene, SurfacePoint, World, trace};
+use raylanes::tracer::{
+    Camera, Checker, Geometry, Light, Mesh, Mode, Paint, Part, Picture, Placement, Scene, Shade, Shot, SurfacePoint,
+    World, picture_hits, shade, trace,
+};
 
 use raylanes::conformance::Random;
 
@@ -171,6 +174,7 @@ fn points_and_normals_of_triangles_are_right() {
             // In the world the triangle may be a sliver of ratio 1 to 1000.
             assert_normal(&what, surface.normal, &normal, 2f64.powi(-24) + 1e6 * 2f64.powi(-50));
             assert_eq!((surface.uv, surface.color), (Vec2::new(hit.u, hit.v), Vec3::ONE));
+            assert_eq!(surface.shading_normal, surface.normal);
             seen += 1;
         }
     }
@@ -222,11 +226,104 @@ fn points_and_normals_of_quadrics_are_right() {
                 assert_normal(&what, surface.normal, &normal, bound);
             }
             assert!(surface.uv.cmpge(Vec2::ZERO).all() && surface.uv.cmple(Vec2::ONE).all(), "{what}: {}", surface.uv);
-            assert_eq!(surface.color, Vec3::ONE);
+            assert_eq!((surface.color, surface.shading_normal), (Vec3::ONE, surface.normal));
             seen += 1;
         }
     }
     assert!(seen > 2_000, "{seen}");
+}
+
+#[test]
+fn shading_normals_and_texture_coordinates_are_interpolated() {
+    let mut random = Random::from_seed(37);
+    let (mut seen, mut turned) = (0, 0);
+    for round in 0..400 {
+        let vertices = [(); 3].map(|()| worlds::vec3(&mut random));
+        let size = worlds::pick(&mut random, &[1e-20, 1.0, 1.0, 1e15]);
+        // Within 60 degrees of the triangle's normal, or of its opposite.
+        let side = Triangle { v0: vertices[0], v1: vertices[1], v2: vertices[2] }.normal()
+            * worlds::pick(&mut random, &[1.0, -1.0]);
+        let normals = [(); 3].map(|()| (side + worlds::vec3(&mut random) * 0.5) * size);
+        let coordinates = [(); 3].map(|()| worlds::vec3(&mut random).truncate() * 100.0);
+        let transform = worlds::transform(&mut random, 10.0);
+        let mesh = worlds::mesh(vertices.to_vec(), vec![[0, 1, 2]])
+            .with_normals(normals.to_vec(), vec![[0, 1, 2]])
+            .and_then(|mesh| mesh.with_texture_coordinates(coordinates.to_vec(), vec![[0, 1, 2]]))
+            .unwrap();
+        let (scene, hits) = hits(Geometry::Mesh(mesh), transform, Paint::Own, 2000 + round);
+        let (cofactors, determinant) = cofactors(&columns(transform.matrix3));
+        let linear = transform.matrix3.as_dmat3();
+        let condition = norm(linear) * norm(linear.inverse());
+        for (ray, hit) in hits {
+            let surface = scene.surface(&ray, &hit);
+            let at_hit = |[v0, v1, v2]: [Vec3; 3]| {
+                let [v0, v1, v2] = [v0, v1, v2].map(exact);
+                add(&v0, &add(&scale(&sub(&v1, &v0), &Exact::of(hit.u)), &scale(&sub(&v2, &v0), &Exact::of(hit.v))))
+            };
+            // The inverse transpose, times the determinant.
+            let mut expected = scale(&apply(&cofactors, &at_hit(normals)), &determinant);
+            if dot(&expected, &exact(surface.normal)).is_negative() {
+                expected = scale(&expected, &Exact::of(-1.0));
+                turned += 1;
+            }
+            let what = format!("{transform:?}, {vertices:?}, {normals:?}, {hit:?}");
+            assert_normal(&what, surface.shading_normal, &expected, 2f64.powi(-24) + condition * 2f64.powi(-48));
+            let uv = at_hit(coordinates.map(|uv| uv.extend(0.0)));
+            assert_point(&what, surface.uv.extend(0.0), &uv, 200.0);
+            seen += 1;
+        }
+    }
+    assert!(seen > 5_000 && turned > 1_000, "{seen}, {turned} of them turned");
+}
+
+/// Normals that cancel, or lie in the plane of the triangle, and a triangle without normals beside one that has some.
+#[test]
+fn without_a_usable_normal_the_shading_normal_is_the_geometric_one() {
+    let square =
+        || worlds::mesh(vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
+    let none = [Mesh::NO_VALUE; 3];
+    for normals in [vec![Vec3::ZERO; 3], vec![Vec3::X, Vec3::Y, Vec3::X]] {
+        let mesh = square().with_normals(normals.clone(), vec![[0, 1, 2], none]).unwrap();
+        let scene = Scene::<MollerTrumbore<f32>>::from(mesh);
+        for ray in
+            [Ray::new(Vec3::new(0.75, 0.25, 9.0), Vec3::NEG_Z), Ray::new(Vec3::new(0.25, 0.75, 9.0), Vec3::NEG_Z)]
+        {
+            let hit = trace(&scene, &[ray], Mode::Scalar)[0];
+            let surface = scene.surface(&ray, &hit);
+            assert_eq!((surface.normal, surface.shading_normal), (Vec3::Z, Vec3::Z), "{normals:?}");
+        }
+    }
+}
+
+/// A picture shows the normals of the corners: as if the square were tilted. Normals along the geometric one change
+/// nothing.
+#[test]
+fn diffuse_reflection_uses_the_shading_normal() {
+    let square =
+        || worlds::mesh(vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
+    let picture = |mesh: Mesh| {
+        let scene = Scene::<MollerTrumbore<f32>>::from(mesh);
+        let camera = Camera::new(Vec3::new(0.5, 0.5, 3.0), Vec3::new(0.5, 0.5, 0.0), 30.0, 8, 8);
+        let light = Light::Directional(Vec3::new(0.0, 1.0, 1.0));
+        let shot = Shot { camera, light, mode: Mode::Scalar, width: 8, height: 8 };
+        let hits = picture_hits(&scene, &shot);
+        shade(&scene, &shot, &hits, Shade::Lambert)
+    };
+    let with_normals = |normals: [Vec3; 4]| {
+        let corners = vec![[0, 1, 2], [0, 2, 3]];
+        picture(square().with_normals(normals.to_vec(), corners).unwrap())
+    };
+    let plain = picture(square());
+    assert_eq!(with_normals([Vec3::Z * 3.0; 4]), plain);
+    assert_eq!(with_normals([Vec3::NEG_Z; 4]), plain, "turned to the geometric side");
+    let middle = |picture: &Picture| picture.pixels()[8 * 4 + 4].x;
+    let towards_light = with_normals([Vec3::new(0.0, 1.0, 1.0); 4]);
+    // The light meets the square at 45 degrees, and the tilted one at 90. The ambient light is a quarter.
+    assert!(middle(&plain) > 0.25 + 0.75 * 0.70 && middle(&plain) < 0.25 + 0.75 * 0.71, "{}", middle(&plain));
+    assert!(middle(&towards_light) > 0.95, "{}", middle(&towards_light));
+    let bent = with_normals([Vec3::Z, Vec3::Z, Vec3::new(0.0, 1.0, 1.0), Vec3::new(0.0, 1.0, 1.0)]);
+    let column: Vec<_> = (0..8).map(|row| bent.pixels()[8 * row + 4].x).filter(|&x| x != 0.53).collect();
+    assert!(column.len() >= 4 && column.is_sorted_by(|above, below| above > below), "{column:?}");
 }
 
 /// A mirror flips the winding of triangles. The outside of a quadric stays the outside.
@@ -284,6 +381,29 @@ fn colors_come_from_the_paint() {
         let upper = Vec3::Z * 2.0;
         assert_eq!(surface(Ray::new(eye(9.0) + upper, -side)).color, Vec3::ZERO, "side {number}");
     }
+}
+
+/// On a plane, u and v run along x and y. Its front is that of +z.
+#[test]
+fn a_plane_has_its_own_surface_parameters() {
+    let turned = Affine3::from_mat3(Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X));
+    let plane = Geometry::Quadric(Quadric::plane(Vec2::new(2.0, 4.0)));
+    let scene = Scene::<MollerTrumbore<f32>>::new(World::new(vec![plane], vec![worlds::place(0, turned)]).unwrap());
+    // The plane is x = 0 in the world, its x runs along y, and its y along z.
+    for (y, z, uv) in
+        [(-2.0, -4.0, [0.0, 0.0]), (2.0, 4.0, [1.0, 1.0]), (1.0, 0.0, [0.75, 0.5]), (0.0, 1.0, [0.5, 0.625])]
+    {
+        for side in [-1.0, 1.0] {
+            let ray = Ray::new(Vec3::new(side * 3.0, y, z), Vec3::NEG_X * side);
+            let hit = trace(&scene, &[ray], Mode::Packet)[0];
+            let surface = scene.surface(&ray, &hit);
+            assert_eq!((hit.t, surface.normal, surface.uv.to_array()), (3.0, Vec3::X, uv), "{y} {z}");
+        }
+    }
+    for (y, z) in [(2.001, 0.0), (0.0, -4.001)] {
+        assert!(!trace(&scene, &[Ray::new(Vec3::new(3.0, y, z), Vec3::NEG_X)], Mode::Scalar)[0].mask);
+    }
+    assert!(!trace(&scene, &[Ray::new(Vec3::new(0.0, -9.0, 0.0), Vec3::Y)], Mode::Scalar)[0].mask, "in the plane");
 }
 
 /// The apex of a cone has no normal. A hit there contains no NaN.

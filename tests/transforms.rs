@@ -72,13 +72,26 @@ impl Parameters {
         if self.dyadic { self.random.below(16) as f32 * 90.0 - 720.0 } else { self.number() * 400.0 }
     }
 
+    /// An axis of any length. If `dyadic`, it is along x, y or z.
+    fn axis(&mut self) -> Vec3 {
+        if self.dyadic {
+            return [Vec3::X, Vec3::Y, Vec3::Z][self.random.below(3)] * self.factor();
+        }
+        Vec3::from([(); 3].map(|()| self.factor())) * [1.0, 1e-30, 1e30][self.random.below(3)]
+    }
+
     fn transform3(&mut self) -> Transform3 {
-        match self.random.below(6) {
+        match self.random.below(8) {
             0 => Transform3::Translate(Vec3::from([(); 3].map(|()| self.number() * 10.0))),
             1 => Transform3::Scale(Vec3::from([(); 3].map(|()| self.factor()))),
             2 => Transform3::RotateX(self.degrees()),
             3 => Transform3::RotateY(self.degrees()),
             4 => Transform3::RotateZ(self.degrees()),
+            5 => Transform3::RotateAbout { axis: self.axis(), degrees: self.degrees() },
+            6 => {
+                let parts: Vec<_> = (0..3).map(|_| self.transform3()).collect();
+                Transform3::Matrix(Transform3::chain(&parts))
+            }
             _ => {
                 let axes = [Axis::X, Axis::Y, Axis::Z];
                 let axis = self.random.below(3);
@@ -159,27 +172,42 @@ fn chains_are_products_of_their_factors() {
     }
 }
 
+fn norm(matrix: DMat3) -> f64 {
+    matrix.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 #[test]
 fn inverses_undo_their_transforms() {
     let mut parameters = Parameters { random: Random::from_seed(12), dyadic: false };
     // The squares of sine and cosine have a relative error below 2⁻⁵⁰; an inverted factor is rounded.
-    let bound = exact(8.0 * HALF_ULP_64 * 2.5);
-    let check = |matrix: Rows, inverse: Rows, is_exact: bool, what: &dyn std::fmt::Display| {
+    let rounded = 8.0 * HALF_ULP_64 * 2.5;
+    let check = |matrix: Rows, inverse: Rows, bound: f64, what: &dyn std::fmt::Display| {
         let identity = identity(matrix.len());
         for product in [product(&matrix, &inverse), product(&inverse, &matrix)] {
             for (got, expected) in product.iter().flatten().zip(identity.iter().flatten()) {
-                let error = size(got - expected);
-                assert!(if is_exact { error == RBig::ZERO } else { error <= bound }, "{what}");
+                assert!(size(got - expected) <= exact(bound), "{what}");
             }
         }
     };
     for _ in 0..2000 {
         let one = parameters.transform3();
-        let is_exact = matches!(one, Transform3::Translate(_) | Transform3::Shear { .. });
-        check(rows3(&one.matrix()), rows3(&one.inverse().unwrap()), is_exact, &one);
+        let bound = match one {
+            Transform3::Translate(_) | Transform3::Shear { .. } => 0.0,
+            // Three entries of 2⁻⁴⁸, in rows whose sum of sizes is at most 3^½.
+            Transform3::RotateAbout { .. } => 2.0 * 3.0 * 32.0 * HALF_ULP_64,
+            Transform3::Matrix(affine) => {
+                let linear = affine.matrix3.as_dmat3();
+                8.0 * HALF_ULP_64
+                    * norm(linear)
+                    * norm(linear.inverse())
+                    * (1.0 + f64::from(affine.translation.length()))
+            }
+            _ => rounded,
+        };
+        check(rows3(&one.matrix()), rows3(&one.inverse().unwrap()), bound, &one);
         let one = parameters.transform2();
         let is_exact = matches!(one, Transform2::Translate(_) | Transform2::ShearX(_) | Transform2::ShearY(_));
-        check(rows2(&one.matrix()), rows2(&one.inverse().unwrap()), is_exact, &one);
+        check(rows2(&one.matrix()), rows2(&one.inverse().unwrap()), if is_exact { 0.0 } else { rounded }, &one);
     }
 }
 
@@ -222,6 +250,63 @@ fn sines_and_cosines_keep_their_documented_error() {
             // At a zero, the series is zero up to its own rounding.
             let bound = size(expected.clone()) * exact(8.0 * HALF_ULP_64) + exact(2f64.powi(-150));
             assert!(error <= bound, "{degrees}: {got} instead of {}", expected.to_f64().value());
+        }
+    }
+}
+
+/// A square root to more than 150 binary places, by Newton's method.
+fn square_root(square: &RBig) -> RBig {
+    let start = exact(square.to_f64().value().sqrt());
+    (0..2).fold(start, |root, _| (square / &root + root) / exact(2.0))
+}
+
+#[test]
+fn rotations_about_any_axis_keep_their_documented_error() {
+    let mut parameters = Parameters { random: Random::from_seed(15), dyadic: false };
+    let (bound, mut worst) = (exact(2f64.powi(-48)), 0f64);
+    for case in 0..500 {
+        let degrees = if case < 400 { parameters.degrees() } else { 1e-3 * parameters.number() };
+        let axis = parameters.axis();
+        let [sin, cos] = series(degrees);
+        let along = exact3(axis);
+        let length_squared = dot(&along, &along);
+        let length = square_root(&length_squared);
+        let got = Transform3::RotateAbout { axis, degrees }.matrix().matrix3;
+        for row in 0..3 {
+            for column in 0..3 {
+                // Rodrigues' formula; the cross product has two entries in each column.
+                let mut expected = &along[row] * &along[column] / &length_squared * (exact(1.0) - &cos);
+                if row == column {
+                    expected += &cos;
+                } else {
+                    let other = &along[3 - row - column] / &length * &sin;
+                    if (row + 1) % 3 == column { expected -= other } else { expected += other }
+                }
+                let error = size(exact(got.col(column)[row]) - expected);
+                assert!(error <= bound, "{axis}, {degrees}: entry {row}, {column}");
+                worst = worst.max(error.to_f64().value());
+            }
+        }
+        let back = Transform3::RotateAbout { axis, degrees }.inverse().unwrap().matrix3;
+        assert_eq!(back, got.transpose(), "{axis}, {degrees}");
+    }
+    assert!(worst > 2f64.powi(-53), "the worst error is {worst:e}");
+}
+
+#[test]
+fn a_rotation_about_a_coordinate_axis_has_the_bits_of_its_own_variant() {
+    let mut parameters = Parameters { random: Random::from_seed(16), dyadic: false };
+    let bits = |one: Transform3| one.matrix().to_cols_array().map(f64::to_bits);
+    for _ in 0..500 {
+        let (degrees, length) = (parameters.degrees(), parameters.axis().x.abs());
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z];
+        for (axis, variant) in
+            [(x, Transform3::RotateX as fn(f32) -> Transform3), (y, Transform3::RotateY), (z, Transform3::RotateZ)]
+        {
+            let about = |axis: Vec3| bits(Transform3::RotateAbout { axis, degrees });
+            assert_eq!(about(axis * length), bits(variant(degrees)), "{axis} {degrees}");
+            // Components of -0 change nothing.
+            assert_eq!(about(axis * -length), bits(variant(-degrees)), "-{axis} {degrees}");
         }
     }
 }
@@ -305,7 +390,6 @@ fn normals_are_near_those_of_exactly_transformed_triangles() {
     for _ in 0..3000 {
         let transform = transform(&mut parameters);
         let linear: DMat3 = transform.matrix3.as_dmat3();
-        let norm = |matrix: DMat3| matrix.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
         let condition = norm(linear) * norm(linear.inverse());
         mirrors += u32::from(linear.determinant() < 0.0);
         conditions[usize::from(condition > 1e2) + usize::from(condition > 1e4)] += 1;

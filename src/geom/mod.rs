@@ -13,4 +13,5 @@ pub use hit::Hit;
 pub use lanes::{Lanes, Mask8, Vec3x8};
 pub use ray::Ray;
 pub use shapes::{Aabb, Placed, Quadric, Shape, Triangle};
+pub(crate) use transform::is_singular;
 pub use transform::{Axis, InvalidTransform, Transform2, Transform3};

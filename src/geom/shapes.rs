@@ -243,6 +243,14 @@ impl Quadric {
         Self::central(squares * Vec3::new(1.0, 1.0, -1.0), 1.0, rim.extend(half_height))
     }
 
+    /// `z = 0`, `|x| <= half_size.x`, `|y| <= half_size.y`: a flat rectangle. Its normal is +z. A ray in the plane
+    /// misses.
+    pub fn plane(half_size: Vec2) -> Self {
+        // The box is not flat, so that rounding cannot cut the surface away.
+        let half = half_size.extend(half_size.max_element() * (Self::SLACK - 1.0));
+        Self { linear: Vec3::Z, ..Self::central(Vec3::ZERO, 0.0, half) }
+    }
+
     /// `f(point)`.
     #[inline]
     pub fn value(&self, point: Vec3) -> f32 {
@@ -312,6 +320,7 @@ mod tests {
             ),
             (Quadric::hyperboloid_of_one_sheet(abc, 8.0), Vec3::new(2.0, 0.0, 0.0), Vec3::X),
             (Quadric::hyperboloid_of_two_sheets(abc, 8.0), Vec3::new(0.0, 0.0, 4.0), Vec3::NEG_Z),
+            (Quadric::plane(Vec2::new(2.0, 3.0)), Vec3::new(-2.0, 3.0, 0.0), Vec3::Z),
         ];
         for (quadric, point, normal) in cases {
             assert!(quadric.value(point).abs() < 1e-6, "{quadric:?} at {point}: {}", quadric.value(point));

@@ -1,5 +1,5 @@
-//! Affine transforms of the plane and of space: scaling, rotation, shear and translation, each with its inverse in
-//! closed form, and chains of them.
+//! Affine transforms of the plane and of space: scaling, rotation, shear, translation and any other matrix, each with
+//! its inverse in closed form, and chains of them.
 //!
 //! A chain applies its transforms from left to right: the first one first. In the product of matrices the first one
 //! is rightmost. The inverse of a chain is the chain of the inverses in reverse order.
@@ -11,9 +11,11 @@
 //! | rotation about x by φ | `x' = x`, `y' = cos φ·y - sin φ·z`, `z' = sin φ·y + cos φ·z` | by -φ, the transpose |
 //! | rotation about y by φ | `x' = cos φ·x + sin φ·z`, `y' = y`, `z' = -sin φ·x + cos φ·z` | by -φ, the transpose |
 //! | rotation about z by φ | `x' = cos φ·x - sin φ·y`, `y' = sin φ·x + cos φ·y`, `z' = z` | by -φ, the transpose |
+//! | rotation about the unit vector k by φ | `p' = cos φ·p + sin φ·k×p + (1 - cos φ)·(k·p)·k` | by -φ, the transpose |
 //! | shear of x by y, factor h | `x' = x + h·y`, `y' = y`, `z' = z` | factor -h |
+//! | matrix L, translation T | `p' = L·p + T` | L⁻¹ by cofactors, -L⁻¹·T |
 //!
-//! and the same for the five other pairs of axes. In the plane leave out z; the rotation is the one about z. The
+//! and the same shear for the five other pairs of axes. In the plane leave out z; the rotation is the one about z. The
 //! slides to the textbook print the first row of the shear as `x' = x + h`, without the factor y. That is a
 //! translation. The shear matrix beside it, with h in row x and column y, is right and is used here.
 //!
@@ -74,7 +76,7 @@ impl fmt::Display for Axis {
 }
 
 /// One transform of space. Angles are in degrees, counter-clockwise as seen from the tip of the axis. Multiples of 90
-/// are exact.
+/// about x, y and z are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transform3 {
     /// Moves by this vector.
@@ -87,6 +89,14 @@ pub enum Transform3 {
     RotateY(f32),
     /// Rotates x towards y.
     RotateZ(f32),
+    /// Rotates about any axis through the origin. An axis along x, y or z gives the same bits as the variant of that
+    /// name.
+    RotateAbout {
+        /// The direction of the axis, of any length but zero.
+        axis: Vec3,
+        /// The angle.
+        degrees: f32,
+    },
     /// Adds `factor` times the coordinate `by` to the coordinate `axis`.
     Shear {
         /// The coordinate that changes.
@@ -96,6 +106,8 @@ pub enum Transform3 {
         /// The multiple of it that is added.
         factor: f32,
     },
+    /// Multiplies by the matrix, then adds the translation.
+    Matrix(Affine3),
 }
 
 /// One transform of the plane. Angles are in degrees, counter-clockwise. Multiples of 90 are exact.
@@ -134,6 +146,8 @@ impl<T: fmt::Display + fmt::Debug> core::error::Error for InvalidTransform<T> {}
 const NOT_FINITE: &str = "not a finite number";
 const ZERO_SCALE: &str = "a factor of zero has no inverse";
 const SELF_SHEAR: &str = "an axis cannot be sheared by itself";
+const NO_AXIS: &str = "an axis of length zero has no direction";
+const SINGULAR: &str = "its determinant is zero, or too near to zero, so it has no inverse";
 
 impl fmt::Display for Transform3 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -143,7 +157,12 @@ impl fmt::Display for Transform3 {
             Self::RotateX(degrees) => write!(f, "rotation about x by {degrees} degrees"),
             Self::RotateY(degrees) => write!(f, "rotation about y by {degrees} degrees"),
             Self::RotateZ(degrees) => write!(f, "rotation about z by {degrees} degrees"),
+            Self::RotateAbout { axis, degrees } => write!(f, "rotation about {axis} by {degrees} degrees"),
             Self::Shear { axis, by, factor } => write!(f, "shear of {axis} by {by} with factor {factor}"),
+            Self::Matrix(affine) => {
+                let [x, y, z] = [0, 1, 2].map(|axis| affine.matrix3.row(axis).extend(affine.translation[axis]));
+                write!(f, "matrix of the rows {x}, {y}, {z}")
+            }
         }
     }
 }
@@ -164,7 +183,9 @@ impl Transform3 {
     /// Checks that the transform has an inverse.
     ///
     /// # Errors
-    /// If a number is not finite, a scaling has a factor of zero, or an axis is sheared by itself.
+    /// If a number is not finite, a scaling has a factor of zero, an axis is sheared by itself, the axis of a rotation
+    /// has length zero, or a matrix is singular. A matrix counts as singular if the rounding errors of its determinant
+    /// in `f64` could hide a zero.
     pub fn check(&self) -> Result<(), InvalidTransform<Self>> {
         let refuse = |reason| Err(InvalidTransform { transform: *self, reason });
         match *self {
@@ -172,19 +193,25 @@ impl Transform3 {
             Self::RotateX(number)
             | Self::RotateY(number)
             | Self::RotateZ(number)
+            | Self::RotateAbout { degrees: number, .. }
             | Self::Shear { factor: number, .. }
                 if !number.is_finite() =>
             {
                 refuse(NOT_FINITE)
             }
+            Self::RotateAbout { axis, .. } if !axis.is_finite() => refuse(NOT_FINITE),
+            Self::Matrix(affine) if !affine.is_finite() => refuse(NOT_FINITE),
             Self::Scale(by) if by.cmpeq(Vec3::ZERO).any() => refuse(ZERO_SCALE),
             Self::Shear { axis, by, .. } if axis == by => refuse(SELF_SHEAR),
+            Self::RotateAbout { axis, .. } if axis == Vec3::ZERO => refuse(NO_AXIS),
+            Self::Matrix(affine) if is_singular(&affine.matrix3.as_dmat3()) => refuse(SINGULAR),
             _ => Ok(()),
         }
     }
 
-    /// The matrix. Exact for translation, scaling and shear. Sines and cosines have a relative error below 2⁻⁵⁰. A
-    /// NaN gives NaN entries.
+    /// The matrix. Exact for translation, scaling, shear and [`Transform3::Matrix`]. Sines and cosines have a relative
+    /// error below 2⁻⁵⁰. About an axis that is not x, y or z, entries have an absolute error below 2⁻⁴⁸. A NaN or an
+    /// axis of length zero gives NaN entries.
     pub fn matrix(&self) -> DAffine3 {
         let about = |[from, to]: [usize; 2], degrees| {
             let (sin, cos) = sin_cos(degrees);
@@ -201,16 +228,24 @@ impl Transform3 {
             Self::RotateX(degrees) => about([1, 2], degrees),
             Self::RotateY(degrees) => about([2, 0], degrees),
             Self::RotateZ(degrees) => about([0, 1], degrees),
+            Self::RotateAbout { axis, degrees } => match axis.to_array() {
+                [x, 0.0, 0.0] if x != 0.0 => about([1, 2], degrees * x.signum()),
+                [0.0, y, 0.0] if y != 0.0 => about([2, 0], degrees * y.signum()),
+                [0.0, 0.0, z] if z != 0.0 => about([0, 1], degrees * z.signum()),
+                _ => DAffine3::from_mat3(rodrigues(axis.as_dvec3(), degrees)),
+            },
             Self::Shear { axis, by, factor } => {
                 let mut linear = DMat3::IDENTITY;
                 linear.col_mut(by as usize)[axis as usize] += f64::from(factor);
                 DAffine3::from_mat3(linear)
             }
+            Self::Matrix(affine) => affine.as_daffine3(),
         }
     }
 
     /// The matrix of the inverse, in closed form. As accurate as [`Transform3::matrix`], except for one rounding
-    /// where a scaling is inverted.
+    /// where a scaling is inverted. The inverse of a [`Transform3::Matrix`] has a relative error of about 2⁻⁵⁰ times
+    /// its condition number.
     ///
     /// # Errors
     /// See [`Transform3::check`].
@@ -222,7 +257,9 @@ impl Transform3 {
             Self::RotateX(degrees) => Self::RotateX(-degrees).matrix(),
             Self::RotateY(degrees) => Self::RotateY(-degrees).matrix(),
             Self::RotateZ(degrees) => Self::RotateZ(-degrees).matrix(),
+            Self::RotateAbout { axis, degrees } => Self::RotateAbout { axis, degrees: -degrees }.matrix(),
             Self::Shear { axis, by, factor } => Self::Shear { axis, by, factor: -factor }.matrix(),
+            Self::Matrix(_) => self.matrix().inverse(),
         })
     }
 
@@ -313,6 +350,26 @@ impl Transform2 {
     }
 }
 
+/// The rotation about an axis of any length, by Rodrigues' formula. Products of two components are exact, and so is
+/// the symmetry: the matrix for `-degrees` is exactly the transpose.
+fn rodrigues(axis: DVec3, degrees: f32) -> DMat3 {
+    let (sin, cos) = sin_cos(degrees);
+    let length_squared = axis.dot(axis);
+    let DVec3 { x, y, z } = axis / libm::sqrt(length_squared) * sin;
+    let across = DMat3::from_cols(DVec3::new(cos, z, -y), DVec3::new(-z, cos, x), DVec3::new(y, -x, cos));
+    let along = axis.to_array().map(|component| axis * component / length_squared * (1.0 - cos));
+    across + DMat3::from_cols(along[0], along[1], along[2])
+}
+
+/// Whether the determinant of `f32` numbers, computed in `f64`, cannot be told from zero. True for every matrix that
+/// is exactly singular, even if rounding makes its determinant non-zero.
+pub(crate) fn is_singular(matrix: &DMat3) -> bool {
+    // Products of two entries are exact, so each cofactor is rounded once. Three products and two sums follow.
+    let cofactors = matrix.x_axis.cross(matrix.y_axis);
+    let rounding = 5.0 * 1.110_223_024_625_156_5e-16 * matrix.z_axis.abs().dot(cofactors.abs());
+    matrix.z_axis.dot(cofactors).abs() <= rounding
+}
+
 /// Sine and cosine of an angle in degrees, with the same bits on every machine. Exact for multiples of 90. NaN for
 /// NaN and infinity.
 ///
@@ -354,6 +411,8 @@ mod tests {
             Transform3::RotateZ(180.0),
         ];
         all.extend(pairs.map(|(axis, by)| shear(axis, by, 0.25)));
+        all.push(Transform3::RotateAbout { axis: v(0.0, -3.0, 0.0), degrees: 90.0 });
+        all.push(Transform3::Matrix(Transform3::chain(&all)));
         all
     }
 
@@ -371,6 +430,11 @@ mod tests {
     fn each_transform_does_what_its_row_equations_say() {
         use Axis::{X, Y, Z};
         let point = v(1.0, 2.0, 3.0);
+        let about = |axis, degrees| Transform3::RotateAbout { axis, degrees };
+        let rows = Affine3 {
+            matrix3: Mat3::from_cols(v(1.0, 4.0, 0.0), v(0.0, 5.0, 1.0), v(3.0, 0.0, 2.0)),
+            translation: v(4.0, 10.0, 30.0),
+        };
         let cases = [
             (Transform3::Translate(v(10.0, 20.0, 30.0)), v(11.0, 22.0, 33.0)),
             (Transform3::Scale(v(2.0, 3.0, -4.0)), v(2.0, 6.0, -12.0)),
@@ -380,6 +444,12 @@ mod tests {
             (Transform3::RotateZ(-90.0), v(2.0, -1.0, 3.0)),
             (Transform3::RotateZ(180.0), v(-1.0, -2.0, 3.0)),
             (Transform3::RotateZ(360.0 * 4097.0), point),
+            (about(v(5.0, 0.0, 0.0), 90.0), v(1.0, -3.0, 2.0)),
+            (about(v(0.0, -0.1, 0.0), 90.0), v(-3.0, 2.0, 1.0)),
+            (about(v(0.0, -0.0, -7.0), -90.0), v(-2.0, 1.0, 3.0)),
+            (about(v(1e-30, 1e-30, 0.0), 180.0), v(2.0, 1.0, -3.0)),
+            (about(v(1e30, 1e30, 1e30), 120.0), v(3.0, 1.0, 2.0)),
+            (Transform3::Matrix(rows), v(14.0, 24.0, 38.0)),
             (shear(X, Y, 10.0), v(21.0, 2.0, 3.0)),
             (shear(X, Z, 10.0), v(31.0, 2.0, 3.0)),
             (shear(Y, X, 10.0), v(1.0, 12.0, 3.0)),
@@ -476,6 +546,32 @@ mod tests {
             (Transform3::RotateY(f32::NAN), "rotation about y by NaN degrees: not a finite number"),
             (shear(Axis::Z, Axis::X, f32::NEG_INFINITY), "shear of z by x with factor -inf: not a finite number"),
             (shear(Axis::Y, Axis::Y, 3.0), "shear of y by y with factor 3: an axis cannot be sheared by itself"),
+            (
+                Transform3::RotateAbout { axis: v(0.0, -0.0, 0.0), degrees: 3.0 },
+                "rotation about [0, -0, 0] by 3 degrees: an axis of length zero has no direction",
+            ),
+            (
+                Transform3::RotateAbout { axis: v(0.0, f32::NAN, 0.0), degrees: 3.0 },
+                "rotation about [0, NaN, 0] by 3 degrees: not a finite number",
+            ),
+            (
+                Transform3::RotateAbout { axis: Vec3::X, degrees: f32::INFINITY },
+                "rotation about [1, 0, 0] by inf degrees: not a finite number",
+            ),
+            (
+                Transform3::Matrix(Affine3::from_translation(v(1.0, f32::NAN, 2.0))),
+                "matrix of the rows [1, 0, 0, 1], [0, 1, 0, NaN], [0, 0, 1, 2]: not a finite number",
+            ),
+            (
+                // The third column is the sum of the others, but the determinant in f64 is not zero.
+                Transform3::Matrix(Affine3::from_mat3(Mat3::from_cols(
+                    v(8130510.0, 6369923.0, 6160014.0),
+                    v(5802770.0, 8139160.0, 8190244.0),
+                    v(13933280.0, 14509083.0, 14350258.0),
+                ))),
+                "matrix of the rows [8130510, 5802770, 13933280, 0], [6369923, 8139160, 14509083, 0], \
+                 [6160014, 8190244, 14350258, 0]: its determinant is zero, or too near to zero, so it has no inverse",
+            ),
         ];
         for (transform, message) in cases {
             let chain = [Transform3::RotateX(90.0), transform, Transform3::Scale(Vec3::ZERO)];

@@ -124,13 +124,25 @@ pub(super) struct TraceArguments {
     /// Trace N times and report the median speed.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) repeat: u32,
-    /// Write the hits to this file, in ray order (of a picture: row by row from the upper left). Per ray: little-endian
-    /// `t u v` as f32 and the primitive number as u32.
+    /// Write the hits to this file, in ray order (of a picture: row by row from the upper left). Numbers are
+    /// little-endian, of 32 bits each; see --hit-format.
     #[arg(long, value_name = "FILE")]
     pub(super) hits: Option<PathBuf>,
+    /// What the file of --hits holds for each ray.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value_t = HitFormat::Narrow, requires = "hits")]
+    pub(super) hit_format: HitFormat,
     /// Print the result as one JSON object.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum HitFormat {
+    /// `t u v` as f32 and the primitive number as u32.
+    Narrow,
+    /// `t u v` as f32; numbers of primitive and instance and the side (1 front, 0 back) as u32; the geometric unit
+    /// normal `nx ny nz` as f32.
+    Wide,
 }
 
 #[derive(Args)]

@@ -11,13 +11,13 @@ use raylanes::tracer::{self, Error, World};
 use rayon::ThreadPool;
 use serde::Serialize;
 
-use super::args::TraceArguments;
+use super::args::{HitFormat, TraceArguments};
 use super::memory;
 use super::scene::{ChosenKernels, Loaded};
 use super::terminal;
 
-/// A ray, its hit, its place in the picture, and its hit once more for the file.
-const BYTES_PER_RAY: usize = size_of::<Ray<f32>>() + 2 * size_of::<Hit<f32>>() + 4;
+/// A ray, its hit, its place in the picture, and its place in the file.
+const BYTES_PER_RAY: usize = size_of::<Ray<f32>>() + size_of::<Hit<f32>>() + 8;
 
 /// What `trace --json` prints.
 #[derive(Serialize)]
@@ -45,6 +45,10 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
     progress.suspend(terminal::warn_of_slow_build);
     let scene = &arguments.scene;
     // A large mesh takes long to load, so the other arguments are checked before it.
+    if arguments.any_hit && arguments.hit_format == HitFormat::Wide {
+        let message = "needs the closest hit, but --any-hit does not look for it".to_owned();
+        return Err(Error::Argument { argument: "--hit-format wide".into(), message });
+    }
     let outputs: Vec<_> = arguments.hits.iter().map(PathBuf::as_path).collect();
     outputs.iter().try_for_each(|output| tracer::check_output(output))?;
     let pool = scene.pool()?;
@@ -59,18 +63,7 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
         Some(rays) => rays,
         None => camera?.rays(width, height),
     };
-    let (result, mut hits) = kernels.run(Trace { kernels, arguments, world, pool: &pool, rays, progress });
-    if let Some(file) = &arguments.hits {
-        if let Some(order) = picture_order {
-            // The rays of a picture are traced in blocks; the file holds their hits row by row.
-            let mut rows = vec![Hit::MISS; hits.len()];
-            for (pixel, hit) in order.into_iter().zip(hits) {
-                rows[pixel as usize] = hit;
-            }
-            hits = rows;
-        }
-        tracer::write_hits(file, &hits)?;
-    }
+    let result = kernels.run(Trace { kernels, arguments, world, pool: &pool, rays, picture_order, progress })?;
     if arguments.json {
         return Ok(serde_json::to_string(&result).expect("plain data") + "\n");
     }
@@ -87,21 +80,23 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
     ))
 }
 
-/// Builds the scene and traces the rays, with the triangle kernel that is chosen at run time.
+/// Builds the scene, traces the rays and writes the hits, with the triangle kernel that is chosen at run time.
 struct Trace<'a> {
     kernels: ChosenKernels,
     arguments: &'a TraceArguments,
     world: World,
     pool: &'a ThreadPool,
     rays: Vec<Ray<f32>>,
+    /// The pixel of each ray, unless the rays come from a file.
+    picture_order: Option<Vec<u32>>,
     progress: &'a Progress,
 }
 
 impl Task<Triangle> for Trace<'_> {
-    type Output = (TraceResult, Vec<Hit<f32>>);
+    type Output = Result<TraceResult, Error>;
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, arguments, world, pool, rays, progress } = self;
+        let Self { kernels, arguments, world, pool, rays, picture_order, progress } = self;
         let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
         progress.note(&format!("{}: building", arguments.scene.name()));
@@ -130,7 +125,21 @@ impl Task<Triangle> for Trace<'_> {
         for (hit, mask) in hits.iter_mut().zip(occluded) {
             *hit = Hit::<f32>::new(mask, 0.0, 0.0, 0.0);
         }
-        let result = TraceResult {
+        if let Some(file) = &arguments.hits {
+            // The rays of a picture are traced in blocks; the file holds their hits row by row.
+            let mut places: Vec<_> = (0..rays.len() as u32).collect();
+            for (place, pixel) in (0..).zip(picture_order.into_iter().flatten()) {
+                places[pixel as usize] = place;
+            }
+            let places = places.into_iter().map(|place| place as usize);
+            match arguments.hit_format {
+                HitFormat::Narrow => tracer::write_hits(file, places.map(|place| &hits[place]))?,
+                HitFormat::Wide => {
+                    tracer::write_wide_hits(file, &scene, places.map(|place| (&rays[place], &hits[place])))?;
+                }
+            }
+        }
+        Ok(TraceResult {
             scene: arguments.scene.scene.clone(),
             triangles,
             quadrics,
@@ -145,7 +154,6 @@ impl Task<Triangle> for Trace<'_> {
             build_seconds,
             bytes: scene.bytes(),
             bytes_per_triangle: scene.bytes() as f64 / if triangles > 0 { triangles } else { quadrics } as f64,
-        };
-        (result, hits)
+        })
     }
 }

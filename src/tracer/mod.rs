@@ -67,7 +67,7 @@ pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
 pub use scene::{Checker, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{
     Mode, Traceable, checksum, occluded, occluded_into, read_rays, start_global_pool, thread_pool, trace, trace_into,
-    traversal_stats, write_hits, write_rays,
+    traversal_stats, write_hits, write_rays, write_wide_hits,
 };
 #[cfg(feature = "study")]
 pub(crate) use trace::{threads_refused, trace_set_into};

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use raylanes::geom::{Hit, Ray};
 use raylanes::kernels::triangle::Cramer;
-use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, checksum, trace, write_rays};
+use raylanes::tracer::{LoadedScene, Mode, Scene, SceneSource, block_order, checksum, trace, write_rays};
 
 /// A temporary folder; it is removed at the end of the test.
 struct Folder(PathBuf);
@@ -205,6 +205,67 @@ fn a_hit_file_holds_the_hits_in_the_order_of_the_ray_file() {
         let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<_>>();
         assert_eq!(words.as_chunks::<4>().0, expected.iter().map(four_words).collect::<Vec<_>>());
     }
+}
+
+/// A scene of two instances of a closed mesh, the second one mirrored, and a sphere, traced from outside and inside.
+#[test]
+fn a_wide_hit_file_also_holds_instance_side_and_normal() {
+    let folder = Folder::new("wide");
+    let file = folder.file(
+        "x.toml",
+        "[[mesh]]\nname = 'm'\ngenerator = 'sphere:1e3'\n[[quadric]]\nname = 'q'\nsphere = { radius = 1 }\n\
+         [[instance]]\nof = 'm'\n[[instance]]\nof = 'q'\ntransform = [{ translate = [3, 0, 0] }]\n\
+         [[instance]]\nof = 'm'\ntransform = [{ scale = [-1, 2, 1] }, { translate = [-3, 0, 0] }]\n",
+    );
+    let LoadedScene { world, view, .. } = SceneSource::parse(text(&file)).unwrap().load().unwrap();
+    let scene = Scene::<Cramer<f32>>::new(world);
+    let mut rays = view.camera(40, 30).rays(40, 30);
+    // From inside the sphere, and two that miss.
+    rays.extend((0..40).map(|step| Ray::new(Vec3::X * 3.0, Vec3::new(1.0, step as f32 - 20.0, 3.0))));
+    rays.extend([Ray::INACTIVE, Ray { dir: Vec3::NAN, ..rays[0] }]);
+    let expected = trace(&scene, &rays, Mode::Scalar);
+    let (ray_file, hit_file) = (folder.0.join("in.rays"), folder.0.join("out.hits"));
+    write_rays(&ray_file, &rays).unwrap();
+    let common = ["trace", text(&file), "--kernel", "cramer", "--repeat", "1", "--hits", text(&hit_file)];
+    let wide = |more: &[&str]| -> Vec<[u32; 9]> {
+        succeeds(&[&common[..], &["--hit-format", "wide"], more].concat());
+        let bytes = fs::read(&hit_file).unwrap();
+        let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<_>>();
+        words.as_chunks().0.to_vec()
+    };
+    let records = wide(&["--rays", text(&ray_file)]);
+    assert_eq!(records.len(), rays.len());
+    let mut seen = std::collections::HashMap::new();
+    for ((record, hit), ray) in records.iter().zip(&expected).zip(&rays) {
+        assert_eq!(record[..5], hit.to_bits());
+        if !hit.mask {
+            assert_eq!(record[1..], [0, 0, u32::MAX, u32::MAX, u32::MAX, 0, 0, 0]);
+            continue;
+        }
+        let normal = Vec3::from([6, 7, 8].map(|word: usize| f32::from_bits(record[word])));
+        assert_eq!(normal, scene.surface(ray, hit).normal);
+        assert!(normal.is_normalized());
+        assert_eq!(record[5], u32::from(normal.dot(ray.dir) < 0.0));
+        *seen.entry((hit.instance, record[5])).or_insert(0) += 1;
+    }
+    // From outside: the front, but the back where a mirror turns the triangles over. From inside the back.
+    for side in [(0, 1), (1, 1), (1, 0), (2, 0)] {
+        assert!(seen[&side] > 20, "{side:?}: {seen:?}");
+    }
+    assert_eq!(seen.len(), 4, "{seen:?}");
+    // The hits of a picture are row by row.
+    let picture = wide(&["--size", "40x30"]);
+    for (record, pixel) in records.iter().zip(block_order(40, 30)) {
+        assert_eq!(picture[pixel as usize], *record);
+    }
+    let narrow = |more: &[&str]| {
+        succeeds(&[&common[..], &["--rays", text(&ray_file)], more].concat());
+        fs::read(&hit_file).unwrap()
+    };
+    assert_eq!(narrow(&[]), narrow(&["--hit-format", "narrow"]));
+    fails(&[&common[..], &["--hit-format", "wide", "--any-hit"]].concat(), &["--hit-format wide", "--any-hit"]);
+    fails(&["trace", text(&file), "--hit-format", "wide"], &["--hits"]);
+    fails(&[&common[..], &["--hit-format", "broad"]].concat(), &["broad", "narrow", "wide"]);
 }
 
 #[test]

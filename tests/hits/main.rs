@@ -3,8 +3,6 @@
 //!
 //! The meshes and rays of the cases at the end are our own, after reports by users of other libraries.
 
-#[path = "../random/mod.rs"]
-mod random;
 mod reference;
 mod spawn;
 #[path = "../worlds/mod.rs"]
@@ -13,6 +11,7 @@ mod worlds;
 use std::sync::LazyLock;
 
 use glam::{Affine3, Mat3, Quat, Vec3};
+use raylanes::conformance::Random;
 use raylanes::geom::{Aabb, Candidate, Hit, Lanes, Quadric, Ray, Triangle};
 use raylanes::kernels::aabb::Slabs;
 use raylanes::kernels::triangle::{ExactHalfOpen, MollerTrumbore, Woop};
@@ -21,12 +20,11 @@ use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{Geometry, Mesh, Mode, Placement, Scene, World, occluded, trace};
 use wide::f32x8;
 
-use random::Random;
 use worlds::{built_in_mesh, place, unit, vec3};
 
 /// Instances of every geometry at random places, in one of three groups.
 fn scattered(seed: u64, count: usize) -> World {
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     let geometries = worlds::geometries(&mut random);
     let instances = (0..count)
         .map(|number| {
@@ -155,7 +153,7 @@ fn a_mesh_without_some_triangles_is_the_mesh_that_a_filter_shows() {
 
 #[test]
 fn fronts_are_the_sides_that_normals_point_to() {
-    let mut random = Random(5);
+    let mut random = Random::from_seed(5);
     let world = scattered(9, 40);
     let rays = worlds::rays(&world, 21, 2_000);
     let scene = Scene::<ExactHalfOpen<f32>>::new(world);
@@ -215,7 +213,7 @@ impl Visitor<Triangle> for Even {
             return;
         }
         self.kernels.push(K::INFO.id.to_string());
-        let mut random = Random(17);
+        let mut random = Random::from_seed(17);
         for mesh in [
             built_in_mesh("sphere:1e3"),
             worlds::cuboid(Vec3::ONE),
@@ -434,7 +432,7 @@ fn a_kernel_may_trace_a_scene() {
         v2: Vec3::new(0.0, hi.y * 4.0, 0.0),
     };
     let scene = Scene::<Portal<f32>>::from(Mesh::from_triangles(&[window; 9]).unwrap());
-    let mut random = Random(3);
+    let mut random = Random::from_seed(3);
     let towards = |target: Vec3, from: Vec3| Ray::new(from, target - from);
     let middle = INNER.bounds().center();
     let rays: Vec<_> = (0..400)

@@ -9,6 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use glam::{Affine3, Vec3};
+use raylanes::conformance::Random;
 use raylanes::geom::{Hit, Quadric, Ray, Triangle};
 use raylanes::kernels::triangle::ExactHalfOpen;
 use raylanes::kernels::{Claim, Intersect, Kernel};
@@ -16,7 +17,6 @@ use raylanes::registry::{self, Visitor};
 use raylanes::tracer::{Geometry, Mesh, Mode, Scene, SceneSource, SurfacePoint, View, World, trace};
 use rayon::prelude::*;
 
-use crate::random::Random;
 use crate::reference::Reference;
 use crate::worlds::{self, place, unit, vec3};
 
@@ -110,7 +110,7 @@ impl Table<'_> {
         let hits = trace(scene, &rays, Mode::Auto);
         let bounce = |(pixel, (ray, hit)): (usize, (&Ray<f32>, &Hit<f32>))| {
             let surface = scene.surface(ray, hit);
-            let dir = bounce(&mut Random(pixel as u64), &surface);
+            let dir = bounce(&mut Random::from_seed(pixel as u64), &surface);
             let point = self.reference.point(ray, hit.primitive);
             let expected = self.reference.closest(point, dir.as_dvec3(), hit.primitive);
             Bounces { surface, own: hit.primitive, dir, expected }
@@ -159,7 +159,7 @@ struct EveryInstance {
 
 impl Visitor<Triangle> for EveryInstance {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        let mut random = Random(29);
+        let mut random = Random::from_seed(29);
         let (mut rays, mut own) = (0, 0);
         for round in 0..300 {
             let size = worlds::pick(&mut random, &[1e-3, 1.0, 1.0, 1e3]);
@@ -216,7 +216,7 @@ fn no_ray_hits_what_it_leaves_in_any_instance() {
 /// A ray from a sphere outwards misses it. A ray inwards hits the other side.
 #[test]
 fn rays_leave_quadrics_on_both_sides() {
-    let mut random = Random(31);
+    let mut random = Random::from_seed(31);
     for round in 0..400 {
         let transform = if round % 2 == 0 { Affine3::IDENTITY } else { worlds::transform(&mut random, 100.0) };
         let geometry = Geometry::Quadric(Quadric::sphere(1.0));

@@ -70,6 +70,7 @@ pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
         Quadric::elliptic_paraboloid(Vec2::new(0.5, 2.0), 1.0),
         Quadric::hyperboloid_of_one_sheet(abc, 1.0),
         Quadric::hyperboloid_of_two_sheets(abc, 1.0),
+        Quadric::plane(Vec2::new(1.0, 0.5)),
     ];
     meshes.into_iter().map(Geometry::Mesh).chain(quadrics.into_iter().map(Geometry::Quadric)).collect()
 }

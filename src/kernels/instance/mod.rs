@@ -22,7 +22,7 @@ pub use subtract_first::SubtractFirst;
 use glam::{Affine3, DMat3, Mat3, Vec3};
 use wide::f32x8;
 
-use crate::geom::{Candidate, Lanes, Placed, Ray, Vec3x8};
+use crate::geom::{Candidate, Lanes, Placed, Ray, Vec3x8, is_singular};
 use crate::kernels::{Id, Info, Intersect, Kernel};
 
 /// An instance of anything that can be intersected, with `W` one transform. Or eight instances of eight prepared
@@ -131,15 +131,6 @@ fn inverse_linear(transform: &Affine3) -> Result<DMat3, SingularTransform> {
     } else {
         Err(SingularTransform { transform: *transform })
     }
-}
-
-/// Whether the determinant of `f32` numbers, computed in `f64`, cannot be told from zero. True for every matrix that
-/// is exactly singular, even if rounding makes its determinant non-zero.
-fn is_singular(matrix: &DMat3) -> bool {
-    // Products of two entries are exact, so each cofactor is rounded once. Three products and two sums follow.
-    let cofactors = matrix.x_axis.cross(matrix.y_axis);
-    let rounding = 5.0 * 1.110_223_024_625_156_5e-16 * matrix.z_axis.abs().dot(cofactors.abs());
-    matrix.z_axis.dot(cofactors).abs() <= rounding
 }
 
 impl<T, W> Instance<T, W> {

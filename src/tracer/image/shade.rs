@@ -17,7 +17,7 @@ use crate::tracer::trace::{Mode, occluded};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shade {
-    /// Diffuse reflection of the light, with hard shadows.
+    /// Diffuse reflection of the light, with hard shadows. Surfaces look smooth where a mesh has normals.
     Lambert,
     /// The geometric normal: x, y and z from -1 to 1 as red, green and blue. It is not flipped towards the eye, so it
     /// shows the winding of triangles.
@@ -50,9 +50,11 @@ pub fn shade<K: Kernel<Shape = Triangle>>(scene: &Scene<K>, shot: &Shot, hits: &
         Shade::Normals => primary.color_each(|_, _, surface| surface.normal * 0.5 + 0.5),
         Shade::Depth => primary.depth(),
         Shade::Primitives => primary.color_each(|ray, hit, surface| {
-            distinct_color(hit.primitive ^ hit.instance.rotate_left(16)) * facing(ray, surface)
+            distinct_color(hit.primitive ^ hit.instance.rotate_left(16)) * facing(ray, surface.normal)
         }),
-        Shade::Instances => primary.color_each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface)),
+        Shade::Instances => {
+            primary.color_each(|ray, hit, surface| distinct_color(hit.instance) * facing(ray, surface.normal))
+        }
         Shade::AmbientOcclusion => primary.ambient_occlusion(),
     };
     Picture::from_rays(shot.width, shot.height, &colors)
@@ -96,9 +98,10 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
                 // Surfaces reflect on both sides, but only the side that faces the eye is seen. If the light is behind
                 // it, the shadow ray is inactive.
                 let is_lit = shadow_ray.t_min <= shadow_ray.t_max && !shadowed[index];
-                let cosine = shadow_ray.dir.normalize_or_zero().dot(surface.normal).abs();
-                let direct = if is_lit { cosine } else { 0.0 };
-                surface.color * (AMBIENT * facing(&rays[index], surface) + (1.0 - AMBIENT) * direct)
+                let cosine = shadow_ray.dir.normalize_or_zero().dot(surface.shading_normal);
+                let cosine = if surface.front { cosine } else { -cosine };
+                let direct = if is_lit { cosine.max(0.0) } else { 0.0 };
+                surface.color * (AMBIENT * facing(&rays[index], surface.shading_normal) + (1.0 - AMBIENT) * direct)
             };
             (0..rays.len()).into_par_iter().map(lit).collect()
         })
@@ -131,8 +134,8 @@ impl<K: Kernel<Shape = Triangle>> PrimaryHits<'_, K> {
 }
 
 /// From 0.5 for a surface seen edge-on to 1 for a surface that faces the eye.
-fn facing(ray: &Ray<f32>, surface: &SurfacePoint) -> f32 {
-    0.5 + 0.5 * ray.dir.normalize_or_zero().dot(surface.normal).abs()
+fn facing(ray: &Ray<f32>, normal: Vec3) -> f32 {
+    0.5 + 0.5 * ray.dir.normalize_or_zero().dot(normal).abs()
 }
 
 /// A bright colour for a number. Different numbers nearly always have different colours.

@@ -1,7 +1,8 @@
-//! A triangle mesh: shared vertices, and one colour per range of triangles.
+//! A triangle mesh: shared vertices, one colour per range of triangles, and if wanted, normals and texture coordinates.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
+use super::corner_values::CornerValues;
 use crate::geom::{Aabb, Triangle};
 
 /// Triangles that share vertices. Every mesh is valid: [`Mesh::new`] lists the conditions.
@@ -10,6 +11,9 @@ pub struct Mesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     parts: Vec<Part>,
+    /// In a box of its own, so that a mesh without them hardly grows.
+    normals: Option<Box<CornerValues<Vec3>>>,
+    texture_coordinates: Option<Box<CornerValues<Vec2>>>,
 }
 
 /// A range of triangles of one colour. It ends before the first triangle of the next part, or with the mesh.
@@ -41,11 +45,40 @@ pub enum MeshError {
     /// triangle. Colours must be from 0 to 1.
     #[error("part {0} is empty, out of order, or has a colour outside 0 to 1")]
     BadPart(usize),
+    /// There must be three indices of values for each triangle.
+    #[error("{what} of {count} triangles for a mesh of {triangles}")]
+    WrongCorners {
+        /// `normals` or `texture coordinates`.
+        what: &'static str,
+        /// Number of triangles that have indices.
+        count: usize,
+        /// Number of triangles in the mesh.
+        triangles: usize,
+    },
+    /// A triangle refers to a normal or texture coordinate that does not exist.
+    #[error("triangle {triangle} refers to {what} that do not exist")]
+    MissingValue {
+        /// `normals` or `texture coordinates`.
+        what: &'static str,
+        /// The triangle.
+        triangle: usize,
+    },
+    /// A normal or texture coordinate is NaN or infinite.
+    #[error("number {number} of the {what} is not finite")]
+    ValueNotFinite {
+        /// `normals` or `texture coordinates`.
+        what: &'static str,
+        /// Its number.
+        number: usize,
+    },
 }
 
 impl Mesh {
     /// The largest number of triangles in a mesh. The primitive number `u32::MAX` is reserved: it means a miss.
     pub const MAX_TRIANGLES: usize = u32::MAX as usize - 1;
+
+    /// In place of an index: the triangle has no normals, or no texture coordinates. All three indices are then this.
+    pub const NO_VALUE: u32 = u32::MAX;
 
     /// Makes a mesh. Conditions:
     ///
@@ -83,7 +116,26 @@ impl Mesh {
         positions.shrink_to_fit();
         triangles.shrink_to_fit();
         parts.shrink_to_fit();
-        Ok(Self { positions, triangles, parts })
+        Ok(Self { positions, triangles, parts, normals: None, texture_coordinates: None })
+    }
+
+    /// Gives the corners of triangles normals, for shading. They may have any length. `corners` holds, for each
+    /// triangle, the indices into `values` of the normals at its three vertices, or three times [`Mesh::NO_VALUE`].
+    ///
+    /// # Errors
+    /// If `corners` does not have one item per triangle, an index refers to no value, or a value is not finite.
+    pub fn with_normals(self, values: Vec<Vec3>, corners: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        let values = CornerValues::new("normals", values, corners, self.len(), |value| value.is_finite())?;
+        Ok(Self { normals: Some(Box::new(values)), ..self })
+    }
+
+    /// Gives the corners of triangles texture coordinates. `corners` is as for [`Mesh::with_normals`].
+    ///
+    /// # Errors
+    /// As for [`Mesh::with_normals`].
+    pub fn with_texture_coordinates(self, values: Vec<Vec2>, corners: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        let values = CornerValues::new("texture coordinates", values, corners, self.len(), |value| value.is_finite())?;
+        Ok(Self { texture_coordinates: Some(Box::new(values)), ..self })
     }
 
     /// A white mesh of triangles that share no vertex.
@@ -148,6 +200,22 @@ impl Mesh {
         self.parts[after - 1].color
     }
 
+    /// The normals at the vertices of the triangle with this number, as they were given, or `None` if it has none.
+    ///
+    /// # Panics
+    /// If the mesh has normals, but no such triangle.
+    pub fn normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
+        self.normals.as_ref()?.of(primitive)
+    }
+
+    /// The texture coordinates at the vertices of the triangle with this number, or `None` if it has none.
+    ///
+    /// # Panics
+    /// If the mesh has texture coordinates, but no such triangle.
+    pub fn texture_coordinates(&self, primitive: u32) -> Option<[Vec2; 3]> {
+        self.texture_coordinates.as_ref()?.of(primitive)
+    }
+
     /// The smallest box around all triangles. Vertices that no triangle uses do not count.
     pub fn bounds(&self) -> Aabb {
         self.iter().fold(Aabb::EMPTY, |bounds, triangle| bounds.union(&triangle.bounds()))
@@ -158,9 +226,13 @@ impl Mesh {
         self.iter().filter(has_zero_area).count()
     }
 
-    /// Bytes of vertices, indices and parts.
+    /// Bytes of vertices, indices, parts, normals and texture coordinates.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.positions) + size_of_val(&*self.triangles) + size_of_val(&*self.parts)
+        size_of_val(&*self.positions)
+            + size_of_val(&*self.triangles)
+            + size_of_val(&*self.parts)
+            + self.normals.as_ref().map_or(0, |normals| normals.bytes())
+            + self.texture_coordinates.as_ref().map_or(0, |coordinates| coordinates.bytes())
     }
 }
 
@@ -237,6 +309,36 @@ mod tests {
         assert_eq!([mesh.color(0), mesh.color(1)], [GREY.color, red.color]);
         assert_eq!(mesh.bounds(), Aabb { lo: Vec3::ZERO, hi: Vec3::new(1.0, 1.0, 0.0) });
         assert_eq!(mesh.bytes(), 5 * 12 + 2 * 12 + 2 * 16);
+    }
+
+    #[test]
+    fn corners_have_normals_and_texture_coordinates_of_their_own() {
+        let (positions, triangles) = square();
+        let mesh = Mesh::new(positions, triangles, vec![GREY]).unwrap();
+        let bytes = mesh.bytes();
+        assert_eq!((mesh.normals(1), mesh.texture_coordinates(9)), (None, None));
+        let none = [Mesh::NO_VALUE; 3];
+        let (normals, corners) = (vec![Vec3::X, Vec3::Y * 3.0, Vec3::ZERO], vec![none, [1, 2, 1]]);
+        let shaded = mesh.clone().with_normals(normals.clone(), corners.clone()).unwrap();
+        assert_eq!((shaded.normals(0), shaded.normals(1)), (None, Some([Vec3::Y * 3.0, Vec3::ZERO, Vec3::Y * 3.0])));
+        assert_eq!(shaded.bytes(), bytes + 48 + 3 * 12 + 2 * 12);
+        let textured = mesh.clone().with_texture_coordinates(vec![Vec2::X, Vec2::Y], vec![[0, 1, 0], none]).unwrap();
+        assert_eq!(textured.texture_coordinates(0), Some([Vec2::X, Vec2::Y, Vec2::X]));
+        assert_eq!(textured.texture_coordinates(1), None);
+        assert_eq!(textured.bytes(), bytes + 48 + 2 * 8 + 2 * 12);
+
+        let what = "normals";
+        let error = |values: &[Vec3], corners: &[[u32; 3]]| {
+            mesh.clone().with_normals(values.to_vec(), corners.to_vec()).unwrap_err()
+        };
+        assert_eq!(error(&normals, &corners[..1]), MeshError::WrongCorners { what, count: 1, triangles: 2 });
+        for bad in [[0, 1, 3], [0, 1, Mesh::NO_VALUE], [Mesh::NO_VALUE, 1, 2]] {
+            assert_eq!(error(&normals, &[none, bad]), MeshError::MissingValue { what, triangle: 1 });
+        }
+        let nan = [Vec3::X, Vec3::Y, Vec3::new(0.0, f32::NAN, 0.0)];
+        assert_eq!(error(&nan, &[none, none]), MeshError::ValueNotFinite { what, number: 2 });
+        let infinite = mesh.with_texture_coordinates(vec![Vec2::INFINITY], vec![[0; 3]; 2]).unwrap_err();
+        assert_eq!(infinite.to_string(), "number 0 of the texture coordinates is not finite");
     }
 
     #[test]

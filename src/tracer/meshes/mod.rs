@@ -1,6 +1,7 @@
 //! Triangle meshes: the data, OBJ files, and generated meshes.
 
 mod closed;
+mod corner_values;
 pub(crate) mod generator;
 mod mesh;
 mod obj;

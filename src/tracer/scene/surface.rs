@@ -3,6 +3,7 @@
 //! Everything is computed in `f64` from the exact transform, not from its rounded inverse, and rounded once.
 
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul, Sub};
 
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
@@ -23,10 +24,15 @@ pub struct SurfacePoint {
     /// The normal of a triangle points to the side from which its vertices in the world appear counter-clockwise. A
     /// mirroring transform flips it. The normal of a quadric points outwards, also after mirroring.
     pub normal: Vec3,
-    /// Surface parameters. On a triangle, the barycentrics u and v of the hit.
+    /// The normal for shading in the world, of unit length: where the triangle has normals at its corners, these,
+    /// interpolated as the mesh holds them and transformed by the inverse transpose. It is turned to the side of
+    /// [`SurfacePoint::normal`]. Without normals, or if they cancel, it is `normal`.
+    pub shading_normal: Vec3,
+    /// Surface parameters. On a triangle, the interpolated texture coordinates if the mesh has them there, else the
+    /// barycentrics u and v of the hit.
     ///
     /// On a quadric, u is the angle about its z axis in turns, from 0 at `+x` to 1. v is the height along z between the
-    /// clip planes, from 0 to 1.
+    /// clip planes, from 0 to 1. On a plane `z = constant`, u and v run along x and y between the clip planes.
     pub uv: Vec2,
     /// Linear red, green and blue from 0 to 1.
     pub color: Vec3,
@@ -58,7 +64,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     ///
     /// Take the values of the hit as exact. The error of each coordinate of the point is then at most half an ulp plus
     /// 2⁻⁴⁷ of the largest term of its sum. The angle between the normal and the exact normal is at most 2⁻²⁴ plus 2⁻⁵⁰
-    /// times the condition number of the transform. On a quadric, add the effect of an error in the point: 2⁻⁵⁰ of the
+    /// times the condition number of the transform. The same holds for the shading normal, unless the normals at the
+    /// corners nearly cancel. On a quadric, add the effect of an error in the point: 2⁻⁵⁰ of the
     /// distance from the ray's origin to the hit, or to the object.
     ///
     /// # Panics
@@ -67,10 +74,22 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let surface = self.exact_surface(ray, hit);
         let ExactSurface { point, normal, in_object } = surface;
         let placement = &self.world().instances()[hit.instance as usize];
+        let mut shading_normal = normal;
         let (uv, own_color, leaving) = match &self.world().geometries()[placement.geometry as usize] {
             Geometry::Mesh(mesh) => {
                 let primitive = self.primitive_of_mesh(hit);
-                (Vec2::new(hit.u, hit.v), mesh.color(primitive), Leaving::Triangle(mesh.triangle(primitive)))
+                if let Some(normals) = mesh.normals(primitive) {
+                    let linear = placement.object_to_world.matrix3.as_dmat3();
+                    let world = normalized(cofactors(linear) * interpolated(hit, normals.map(Vec3::as_dvec3)));
+                    let side = world.dot(normal);
+                    if side != 0.0 {
+                        shading_normal = world * side.signum();
+                    }
+                }
+                let uv = mesh.texture_coordinates(primitive).map_or(Vec2::new(hit.u, hit.v), |corners| {
+                    interpolated(hit, corners.map(Vec2::as_dvec2)).as_vec2()
+                });
+                (uv, mesh.color(primitive), Leaving::Triangle(mesh.triangle(primitive)))
             }
             Geometry::Quadric(quadric) => (quadric_uv(quadric, in_object), Vec3::ONE, Leaving::Quadric(quadric)),
         };
@@ -82,6 +101,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         SurfacePoint {
             point: point.as_vec3(),
             normal: normal.as_vec3(),
+            shading_normal: shading_normal.as_vec3(),
             uv,
             color,
             front: comes_from_front(normal, ray),
@@ -133,6 +153,14 @@ fn comes_from_front(normal: DVec3, ray: &Ray<f32>) -> bool {
     normal.dot(ray.dir.as_dvec3()) <= 0.0
 }
 
+/// The value at a hit, from those at the corners of the triangle.
+fn interpolated<V>(hit: &Hit<f32>, [v0, v1, v2]: [V; 3]) -> V
+where
+    V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
+{
+    v0 + (v1 - v0) * f64::from(hit.u) + (v2 - v0) * f64::from(hit.v)
+}
+
 /// The matrix of cofactors with the sign of the determinant. It is a positive multiple of the inverse transpose, which
 /// transforms gradients to the world, and needs no division.
 fn cofactors(linear: DMat3) -> DMat3 {
@@ -161,11 +189,18 @@ pub(super) fn gradient(quadric: &Quadric, point: DVec3) -> DVec3 {
 
 /// Surface parameters of a quadric; see [`SurfacePoint::uv`].
 fn quadric_uv(quadric: &Quadric, point: DVec3) -> Vec2 {
-    let turn = DVec2::new(point.x, point.y).to_angle() / TAU;
-    let (bottom, top) = (f64::from(quadric.clip.lo.z), f64::from(quadric.clip.hi.z));
-    let height = if top > bottom { (point.z - bottom) / (top - bottom) } else { 0.0 };
     // The padding of the clip box allows hits slightly outside the clip planes.
-    Vec2::new((if turn < 0.0 { turn + 1.0 } else { turn }) as f32, height.clamp(0.0, 1.0) as f32)
+    let between_clip_planes = |axis: usize| {
+        let (bottom, top) = (f64::from(quadric.clip.lo[axis]), f64::from(quadric.clip.hi[axis]));
+        let share = if top > bottom { (point[axis] - bottom) / (top - bottom) } else { 0.0 };
+        share.clamp(0.0, 1.0) as f32
+    };
+    let Quadric { squares, products, linear, .. } = quadric;
+    if (*squares, *products, linear.truncate()) == (Vec3::ZERO, Vec3::ZERO, Vec2::ZERO) {
+        return Vec2::new(between_clip_planes(0), between_clip_planes(1));
+    }
+    let turn = DVec2::new(point.x, point.y).to_angle() / TAU;
+    Vec2::new((if turn < 0.0 { turn + 1.0 } else { turn }) as f32, between_clip_planes(2))
 }
 
 /// The vector scaled to unit length, for vectors of any length. Zero stays zero.

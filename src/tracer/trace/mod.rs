@@ -7,7 +7,7 @@ mod run;
 mod threads;
 
 pub use mode::Mode;
-pub use ray_file::{read_rays, write_hits, write_rays};
+pub use ray_file::{read_rays, write_hits, write_rays, write_wide_hits};
 #[cfg(feature = "study")]
 pub(crate) use run::trace_set_into;
 pub use run::{Traceable, checksum, occluded, occluded_into, trace, trace_into, traversal_stats};

@@ -3,12 +3,17 @@
 use std::io::Read;
 use std::path::Path;
 
+use glam::Vec3;
+
 use crate::error::Error;
 use crate::files::{Input, write_atomically};
-use crate::geom::{Hit, Ray};
+use crate::geom::{Hit, Ray, Triangle};
+use crate::kernels::Kernel;
+use crate::tracer::scene::Scene;
 
 const RAY_BYTES: usize = 32;
 const HIT_BYTES: usize = 16;
+const WIDE_HIT_BYTES: usize = 36;
 
 /// Largest size of a file: 134,217,728 rays. Without a limit, an endless device would fill the memory.
 const MAX_BYTES: u64 = 1 << 32;
@@ -64,8 +69,34 @@ pub fn write_rays(path: &Path, rays: &[Ray<f32>]) -> Result<(), Error> {
 ///
 /// # Errors
 /// If the file cannot be written; see [`write_atomically`].
-pub fn write_hits(path: &Path, hits: &[Hit<f32>]) -> Result<(), Error> {
-    write_records(path, hits.iter().map(encode_hit))
+pub fn write_hits<'a>(path: &Path, hits: impl IntoIterator<Item = &'a Hit<f32>>) -> Result<(), Error> {
+    write_records(path, hits.into_iter().map(encode_hit))
+}
+
+/// Writes hits with their surface, 36 bytes each. `traced` holds rays and the closest hits that this scene reported
+/// for them.
+///
+/// | word | type | content | of a miss |
+/// | --- | --- | --- | --- |
+/// | 0, 1, 2 | `f32` | `t u v` | +∞, 0, 0 |
+/// | 3 | `u32` | primitive number | `u32::MAX` |
+/// | 4 | `u32` | instance number | `u32::MAX` |
+/// | 5 | `u32` | side: 1 for the [front](crate::tracer::SurfacePoint::front), else 0 | `u32::MAX` |
+/// | 6, 7, 8 | `f32` | geometric unit normal in the world; see [`SurfacePoint::normal`] | 0, 0, 0 |
+///
+/// [`SurfacePoint::normal`]: crate::tracer::SurfacePoint::normal
+///
+/// # Errors
+/// If the file cannot be written; see [`write_atomically`].
+///
+/// # Panics
+/// If the scene has no such instance or triangle.
+pub fn write_wide_hits<'a, K: Kernel<Shape = Triangle>>(
+    path: &Path,
+    scene: &Scene<K>,
+    traced: impl IntoIterator<Item = (&'a Ray<f32>, &'a Hit<f32>)>,
+) -> Result<(), Error> {
+    write_records(path, traced.into_iter().map(|(ray, hit)| encode_wide_hit(scene, ray, hit)))
 }
 
 fn write_records<const N: usize>(path: &Path, records: impl Iterator<Item = [u8; N]>) -> Result<(), Error> {
@@ -92,6 +123,22 @@ fn encode_hit(hit: &Hit<f32>) -> [u8; HIT_BYTES] {
     little_endian([t, u, v, primitive])
 }
 
+fn encode_wide_hit<K: Kernel<Shape = Triangle>>(
+    scene: &Scene<K>,
+    ray: &Ray<f32>,
+    hit: &Hit<f32>,
+) -> [u8; WIDE_HIT_BYTES] {
+    let [t, u, v, primitive, instance] = hit.to_bits();
+    let (side, normal) = if hit.mask {
+        let surface = scene.surface(ray, hit);
+        (u32::from(surface.front), surface.normal)
+    } else {
+        (u32::MAX, Vec3::ZERO)
+    };
+    let [x, y, z] = normal.to_array().map(f32::to_bits);
+    little_endian([t, u, v, primitive, instance, side, x, y, z])
+}
+
 fn little_endian<const WORDS: usize, const BYTES: usize>(words: [u32; WORDS]) -> [u8; BYTES] {
     const { assert!(BYTES == 4 * WORDS) };
     core::array::from_fn(|byte| words[byte / 4].to_le_bytes()[byte % 4])
@@ -100,8 +147,6 @@ fn little_endian<const WORDS: usize, const BYTES: usize>(words: [u32; WORDS]) ->
 #[cfg(test)]
 mod tests {
     use std::fs;
-
-    use glam::Vec3;
 
     use super::*;
 

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::error::{SceneError, SpanError, quoted_name};
 use super::format::{self, Area};
-use super::number::Color;
+use super::number::{Array, Color};
 use super::quadric::QuadricTable;
 use super::scatter::{self, Ground, Variation};
 use super::transform::{compose2, compose3};
@@ -167,7 +167,7 @@ impl<'a> WorldBuilder<'a> {
         let scale = match &scatter.scale {
             None => [1.0; 2],
             Some(scale) => {
-                let [least, greatest] = scale.get_ref().map(|factor| factor.0);
+                let [least, greatest] = scale.get_ref().0.map(|factor| factor.0);
                 if least > greatest {
                     let message = format!("the least scale comes first: [{least}, {greatest}]");
                     return Err(SpanError::new(scale.span(), message).into());
@@ -216,7 +216,7 @@ fn paint(span: &Range<usize>, color: Option<&Color>, checker: Option<&format::Ch
     match (color, checker) {
         (None, None) => Ok(Paint::Own),
         (Some(color), None) => Ok(Paint::Plain(color.0)),
-        (None, Some(format::Checker { colors: [a, b], transform })) => {
+        (None, Some(format::Checker { colors: Array([a, b]), transform })) => {
             let uv_to_squares = transform.as_ref().map_or(Ok(Affine2::IDENTITY), compose2)?;
             Ok(Paint::Checker(Checker { colors: [a.0, b.0], uv_to_squares }))
         }
@@ -227,7 +227,7 @@ fn paint(span: &Range<usize>, color: Option<&Color>, checker: Option<&format::Ch
 /// The corners of an area, in x and z.
 fn corners(area: &Spanned<Area>) -> Result<[DVec2; 2], SpanError> {
     let Area { lo, hi } = *area.get_ref();
-    let [lo, hi] = [lo, hi].map(|[x, z]| DVec2::new(x.0.into(), z.0.into()));
+    let [lo, hi] = [lo, hi].map(|Array([x, z])| DVec2::new(x.0.into(), z.0.into()));
     if lo.cmple(hi).all() {
         Ok([lo, hi])
     } else {

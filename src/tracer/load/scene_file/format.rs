@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::number::{Color, Count, FieldOfView, Finite, Fraction, Length, Point, Seed};
+use super::number::{Array, Color, Count, FieldOfView, Finite, Fraction, Length, Point, Seed};
 use super::quadric::QuadricTable;
 use super::transform::{Step2, Step3, Steps};
 
@@ -63,7 +63,7 @@ pub(super) struct Instance {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Checker {
-    pub(super) colors: [Color; 2],
+    pub(super) colors: Array<Color, 2>,
     pub(super) transform: Option<Steps<Step2>>,
 }
 
@@ -77,7 +77,7 @@ pub(super) struct Scatter {
     pub(super) on: Option<Spanned<String>>,
     pub(super) area: Option<Spanned<Area>>,
     pub(super) transform: Option<Steps<Step3>>,
-    pub(super) scale: Option<Spanned<[Length; 2]>>,
+    pub(super) scale: Option<Spanned<Array<Length, 2>>>,
     pub(super) lean: Option<Fraction>,
     pub(super) color: Option<Color>,
     pub(super) checker: Option<Checker>,
@@ -87,6 +87,6 @@ pub(super) struct Scatter {
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Area {
-    pub(super) lo: [Finite; 2],
-    pub(super) hi: [Finite; 2],
+    pub(super) lo: Array<Finite, 2>,
+    pub(super) hi: Array<Finite, 2>,
 }

@@ -36,9 +36,9 @@ const MAX_BYTES: u64 = 1 << 24;
 ///   file. `generator` is `room`, `terrain`, `sphere`, `tree` or `square`. All but `square` can have a number of
 ///   triangles, as in `terrain:1e6`; the default is 100,000.
 /// - `[[quadric]]` has `name`, and one of `sphere`, `ellipsoid`, `paraboloid`, `elliptic_paraboloid`,
-///   `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`. This is a table with the arguments of
-///   the [constructor](crate::geom::Quadric) of the same name. Instead, a quadric can have `coefficients`, ten numbers
-///   for x², y², z², yz, zx, xy, x, y, z and 1, and `clip = { lo, hi }`.
+///   `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`, `plane`. This is a table with the
+///   arguments of the [constructor](crate::geom::Quadric) of the same name. Cones and cylinders have no caps. Instead,
+///   a quadric can have `coefficients`, ten numbers for x², y², z², yz, zx, xy, x, y, z and 1, and `clip = { lo, hi }`.
 /// - `[[instance]]` places a geometry. It has `of`, the name of a mesh or quadric. Optional: `transform`, and either
 ///   `color` or `checker`. The default is the colours of the mesh, or white for a quadric.
 /// - `[[scatter]]` places many instances. It has `of` and `count`. Optional: `seed`, `on`, `area = { lo, hi }`,
@@ -48,12 +48,19 @@ const MAX_BYTES: u64 = 1 << 24;
 ///
 /// # Values
 ///
-/// A `transform` is a list of steps. The first step is applied first. The steps are `{ translate = [x, y, z] }`,
-/// `{ scale = [x, y, z] }`, `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`, and
-/// `{ shear = { axis = "x", by = "y", factor = 0.5 } }`; see [`Transform3`](crate::geom::Transform3).
+/// A `transform` is a list of steps. The first step is applied first; see [`Transform3`](crate::geom::Transform3).
+///
+/// - `{ translate = [x, y, z] }`
+/// - `{ scale = [x, y, z] }`, or `{ scale = factor }` for all axes
+/// - `{ rotate_x = degrees }`, `rotate_y`, `rotate_z`
+/// - `{ rotate = { axis = [x, y, z], degrees = 30 } }`, about any axis through the origin; its length does not matter
+/// - `{ shear = { axis = "x", by = "y", factor = 0.5 } }`
+/// - `{ matrix = [[…], […], […]] }`, the rows of the matrix, four numbers each. The fourth column is the translation. A
+///   fourth row must be `[0, 0, 0, 1]`. The numbers are nested, because a flat list does not tell rows from columns.
 ///
 /// A `checker` has two `colors` and an optional `transform` of the plane, from the surface's (u, v) to unit squares.
 /// Its steps are `translate`, `scale`, `rotate`, `shear_x` and `shear_y`; see [`Transform2`](crate::geom::Transform2).
+/// `scale` takes two factors or one.
 ///
 /// Colours are linear red, green and blue from 0 to 1.
 ///

@@ -1,13 +1,42 @@
-//! Numbers, points and colours of a scene file. Each type has a range and refuses other numbers while the file is
-//! parsed, so that the error names the place.
+//! Numbers, arrays, points and colours of a scene file. Each type has a range and refuses other numbers while the file
+//! is parsed, so that the error names the place.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug, Formatter};
+use std::marker::PhantomData;
 
-use glam::Vec3;
+use glam::{Affine3, Mat4, Vec3, Vec4};
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, Unexpected, Visitor};
+use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Unexpected, Visitor};
 
 use crate::tracer::meshes::generator::MAX_SIZE;
+
+/// Exactly `N` values. An array of `serde` ignores what follows the last one.
+#[derive(Clone, Copy)]
+pub(super) struct Array<T, const N: usize>(pub(super) [T; N]);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Array<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(ArrayVisitor(PhantomData))
+    }
+}
+
+struct ArrayVisitor<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
+    type Value = Array<T, N>;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "an array of length {N}")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
+        let mut array = Vec::with_capacity(N);
+        while let Some(item) = items.next_element()? {
+            array.push(item);
+        }
+        array.try_into().map(Array).map_err(|array: Vec<T>| A::Error::invalid_length(array.len(), &self))
+    }
+}
 
 /// Three finite numbers.
 #[derive(Clone, Copy)]
@@ -15,8 +44,77 @@ pub(super) struct Point(pub(super) Vec3);
 
 impl<'de> Deserialize<'de> for Point {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let [x, y, z] = <[Finite; 3]>::deserialize(deserializer)?;
+        let Array([x, y, z]) = <Array<Finite, 3>>::deserialize(deserializer)?;
         Ok(Self(Vec3::new(x.0, y.0, z.0)))
+    }
+}
+
+/// A factor for each axis, or one number for all.
+#[derive(Clone, Copy)]
+pub(super) struct Factors<const N: usize>(pub(super) [Finite; N]);
+
+impl<'de, const N: usize> Deserialize<'de> for Factors<N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FactorsVisitor)
+    }
+}
+
+struct FactorsVisitor<const N: usize>;
+
+impl<'de, const N: usize> Visitor<'de> for FactorsVisitor<N> {
+    type Value = Factors<N>;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "a finite number or an array of length {N}")
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Self::Value, E> {
+        Finite::deserialize(number.into_deserializer()).map(|factor| Factors([factor; N]))
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<Self::Value, E> {
+        Finite::deserialize(number.into_deserializer()).map(|factor| Factors([factor; N]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, factors: A) -> Result<Self::Value, A::Error> {
+        ArrayVisitor(PhantomData).visit_seq(factors).map(|Array(factors)| Factors(factors))
+    }
+}
+
+/// The rows of an affine matrix: three, or four with the last row 0, 0, 0, 1. The last column is the translation.
+#[derive(Clone, Copy)]
+pub(super) struct Matrix(pub(super) Affine3);
+
+impl<'de> Deserialize<'de> for Matrix {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(MatrixVisitor)
+    }
+}
+
+struct MatrixVisitor;
+
+impl<'de> Visitor<'de> for MatrixVisitor {
+    type Value = Matrix;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("3 or 4 rows")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Matrix, A::Error> {
+        let mut rows = Vec::new();
+        while let Some(Array(row)) = items.next_element::<Array<Finite, 4>>()? {
+            rows.push(Vec4::from_array(row.map(|number| number.0)));
+        }
+        let [x, y, z] = match rows[..] {
+            [x, y, z] => [x, y, z],
+            [x, y, z, last] if last == Vec4::W => [x, y, z],
+            [_, _, _, last] => {
+                let message = "the last of four rows must be [0, 0, 0, 1]; a translation is the last column";
+                return Err(A::Error::custom(format!("{message}: {last}")));
+            }
+            _ => return Err(A::Error::invalid_length(rows.len(), &self)),
+        };
+        Ok(Matrix(Affine3::from_mat4(Mat4::from_cols(x, y, z, Vec4::W).transpose())))
     }
 }
 
@@ -26,7 +124,7 @@ pub(super) struct Color(pub(super) Vec3);
 
 impl<'de> Deserialize<'de> for Color {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let [r, g, b] = <[Fraction; 3]>::deserialize(deserializer)?;
+        let Array([r, g, b]) = <Array<Fraction, 3>>::deserialize(deserializer)?;
         Ok(Self(Vec3::new(r.0, g.0, b.0)))
     }
 }
@@ -70,7 +168,7 @@ struct NumberVisitor {
 impl Visitor<'_> for NumberVisitor {
     type Value = f64;
 
-    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(self.expected)
     }
 

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::number::{Finite, Length, Point};
+use super::number::{Array, Finite, Length, Point};
 use crate::geom::{Aabb, Quadric};
 
 /// A name, and either one kind of quadric, or `coefficients` and `clip`.
@@ -20,7 +20,8 @@ pub(super) struct QuadricTable {
     hyperboloid_of_two_sheets: Option<Hyperboloid>,
     cone: Option<RadiusAndHeight>,
     cylinder: Option<Cylinder>,
-    coefficients: Option<[Finite; 10]>,
+    plane: Option<Plane>,
+    coefficients: Option<Array<Finite, 10>>,
     clip: Option<Clip>,
 }
 
@@ -33,7 +34,7 @@ struct Sphere {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Ellipsoid {
-    semi_axes: [Length; 3],
+    semi_axes: Array<Length, 3>,
 }
 
 /// A paraboloid or a cone.
@@ -47,14 +48,14 @@ struct RadiusAndHeight {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct EllipticParaboloid {
-    semi_axes: [Length; 2],
+    semi_axes: Array<Length, 2>,
     height: Length,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Hyperboloid {
-    semi_axes: [Length; 3],
+    semi_axes: Array<Length, 3>,
     half_height: Length,
 }
 
@@ -63,6 +64,12 @@ struct Hyperboloid {
 struct Cylinder {
     radius: Length,
     half_height: Length,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Plane {
+    half_size: Array<Length, 2>,
 }
 
 #[derive(Deserialize)]
@@ -78,20 +85,20 @@ impl QuadricTable {
     /// # Errors
     /// If a key is missing or there are too many, or if a hyperboloid of two sheets is empty.
     pub(super) fn quadric(&self) -> Result<Quadric, &'static str> {
-        if let Some(Hyperboloid { semi_axes: [.., c], half_height }) = self.hyperboloid_of_two_sheets
+        if let Some(Hyperboloid { semi_axes: Array([.., c]), half_height }) = self.hyperboloid_of_two_sheets
             && half_height.0 <= c.0
         {
             return Err("half_height must be greater than the third semi-axis, where the two sheets begin");
         }
-        let three = |[a, b, c]: [Length; 3]| Vec3::new(a.0, b.0, c.0);
+        let three = |Array([a, b, c]): Array<Length, 3>| Vec3::new(a.0, b.0, c.0);
+        let two = |Array([a, b]): Array<Length, 2>| Vec2::new(a.0, b.0);
         let named = [
             self.sphere.as_ref().map(|sphere| Quadric::sphere(sphere.radius.0)),
             self.ellipsoid.as_ref().map(|ellipsoid| Quadric::ellipsoid(three(ellipsoid.semi_axes))),
             self.paraboloid.as_ref().map(|paraboloid| Quadric::paraboloid(paraboloid.radius.0, paraboloid.height.0)),
-            self.elliptic_paraboloid.as_ref().map(|paraboloid| {
-                let [a, b] = paraboloid.semi_axes.map(|axis| axis.0);
-                Quadric::elliptic_paraboloid(Vec2::new(a, b), paraboloid.height.0)
-            }),
+            self.elliptic_paraboloid
+                .as_ref()
+                .map(|paraboloid| Quadric::elliptic_paraboloid(two(paraboloid.semi_axes), paraboloid.height.0)),
             self.hyperboloid_of_one_sheet
                 .as_ref()
                 .map(|sheet| Quadric::hyperboloid_of_one_sheet(three(sheet.semi_axes), sheet.half_height.0)),
@@ -100,12 +107,13 @@ impl QuadricTable {
                 .map(|sheets| Quadric::hyperboloid_of_two_sheets(three(sheets.semi_axes), sheets.half_height.0)),
             self.cone.as_ref().map(|cone| Quadric::cone(cone.radius.0, cone.height.0)),
             self.cylinder.as_ref().map(|cylinder| Quadric::cylinder(cylinder.radius.0, cylinder.half_height.0)),
+            self.plane.as_ref().map(|plane| Quadric::plane(two(plane.half_size))),
         ];
         let mut named = named.into_iter().flatten();
         match (named.next(), named.next(), &self.coefficients, &self.clip) {
             (Some(quadric), None, None, None) => Ok(quadric),
             (None, _, Some(coefficients), Some(Clip { lo, hi })) => {
-                let [xx, yy, zz, yz, zx, xy, x, y, z, constant] = coefficients.each_ref().map(|number| number.0);
+                let [xx, yy, zz, yz, zx, xy, x, y, z, constant] = coefficients.0.map(|number| number.0);
                 Ok(Quadric {
                     squares: Vec3::new(xx, yy, zz),
                     products: Vec3::new(yz, zx, xy),

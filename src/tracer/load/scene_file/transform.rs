@@ -2,12 +2,12 @@
 
 use std::fmt::Display;
 
-use glam::{Affine2, Affine3, Vec2};
+use glam::{Affine2, Affine3, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::SpanError;
-use super::number::{Finite, Point};
+use super::number::{Array, Factors, Finite, Matrix, Point};
 use crate::geom::{Axis, InvalidTransform, Transform2, Transform3};
 use crate::tracer::scene::is_singular;
 
@@ -19,22 +19,33 @@ pub(super) type Steps<S> = Spanned<Vec<Spanned<S>>>;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Step3 {
     Translate(Point),
-    Scale(Point),
+    Scale(Factors<3>),
     RotateX(Finite),
     RotateY(Finite),
     RotateZ(Finite),
+    Rotate(Rotation),
     Shear { axis: AxisName, by: AxisName, factor: Finite },
+    Matrix(Matrix),
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table of axis and degrees")]
+pub(super) struct Rotation {
+    axis: Point,
+    degrees: Finite,
 }
 
 impl From<Step3> for Transform3 {
     fn from(step: Step3) -> Self {
         match step {
             Step3::Translate(by) => Self::Translate(by.0),
-            Step3::Scale(by) => Self::Scale(by.0),
+            Step3::Scale(by) => Self::Scale(Vec3::from_array(by.0.map(|factor| factor.0))),
             Step3::RotateX(degrees) => Self::RotateX(degrees.0),
             Step3::RotateY(degrees) => Self::RotateY(degrees.0),
             Step3::RotateZ(degrees) => Self::RotateZ(degrees.0),
+            Step3::Rotate(Rotation { axis, degrees }) => Self::RotateAbout { axis: axis.0, degrees: degrees.0 },
             Step3::Shear { axis, by, factor } => Self::Shear { axis: axis.into(), by: by.into(), factor: factor.0 },
+            Step3::Matrix(matrix) => Self::Matrix(matrix.0),
         }
     }
 }
@@ -61,8 +72,8 @@ impl From<AxisName> for Axis {
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Step2 {
-    Translate([Finite; 2]),
-    Scale([Finite; 2]),
+    Translate(Array<Finite, 2>),
+    Scale(Factors<2>),
     Rotate(Finite),
     ShearX(Finite),
     ShearY(Finite),
@@ -72,8 +83,8 @@ impl From<Step2> for Transform2 {
     fn from(step: Step2) -> Self {
         let vector = |[x, y]: [Finite; 2]| Vec2::new(x.0, y.0);
         match step {
-            Step2::Translate(by) => Self::Translate(vector(by)),
-            Step2::Scale(by) => Self::Scale(vector(by)),
+            Step2::Translate(by) => Self::Translate(vector(by.0)),
+            Step2::Scale(by) => Self::Scale(vector(by.0)),
             Step2::Rotate(degrees) => Self::Rotate(degrees.0),
             Step2::ShearX(factor) => Self::ShearX(factor.0),
             Step2::ShearY(factor) => Self::ShearY(factor.0),

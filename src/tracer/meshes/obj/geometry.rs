@@ -12,6 +12,8 @@ use super::polygon::{self, Flaws};
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
+    /// The corners of each triangle, counted over all faces. Empty if nobody asks for them.
+    pub(super) corners: Vec<[u32; 3]>,
     /// The first triangle of each face, and after the last face the number of triangles.
     pub(super) first_triangles: Vec<usize>,
     /// Polygons whose edges cross.
@@ -22,7 +24,8 @@ pub(super) struct Geometry {
 
 impl Geometry {
     /// Splits the faces of the only model. `polygons` holds the line of each face with more than three corners.
-    pub(super) fn new(models: &[tobj::Model], polygons: &[usize]) -> Self {
+    /// `keep_corners` asks for [`Geometry::corners`].
+    pub(super) fn new(models: &[tobj::Model], polygons: &[usize], keep_corners: bool) -> Self {
         let [tobj::Model { mesh, .. }] = models else {
             unreachable!("tobj starts a new model only at a group or material")
         };
@@ -35,28 +38,42 @@ impl Geometry {
         // Without arities, every face is a triangle.
         let mut arities = mesh.face_arities.iter();
         let mut indices = &mesh.indices[..];
+        // A corner takes at least two bytes of a file, so a u32 counts those of the largest file.
+        let mut first_corner = 0;
         while !indices.is_empty() {
             let face;
             (face, indices) = indices.split_at(arities.next().map_or(3, |&arity| arity as usize));
             geometry.first_triangles.push(geometry.triangles.len());
-            match *face {
-                [a, b, c] => geometry.triangles.push([a, b, c]),
-                _ => geometry.add_polygon(face, *polygons.next().expect("the line of every polygon is known")),
+            let fan = [[0, 1, 2]];
+            let split;
+            let triangles = match face.len() {
+                3 => &fan[..],
+                _ => {
+                    split = geometry.split(face, *polygons.next().expect("the line of every polygon is known"));
+                    &split[..]
+                }
+            };
+            geometry.triangles.extend(triangles.iter().map(|triangle| triangle.map(|corner| face[corner])));
+            if keep_corners {
+                let corners = triangles.iter().map(|triangle| triangle.map(|corner| first_corner + corner as u32));
+                geometry.corners.extend(corners);
+                first_corner += face.len() as u32;
             }
         }
         geometry.first_triangles.push(geometry.triangles.len());
         geometry
     }
 
-    fn add_polygon(&mut self, face: &[u32], line: usize) {
+    /// The triangles of a face with more than three corners, by its corners.
+    fn split(&mut self, face: &[u32], line: usize) -> Vec<[usize; 3]> {
         let corners: Vec<_> = face.iter().map(|&index| self.positions[index as usize]).collect();
         let (triangles, Flaws { crossing, bent }) = polygon::split(&corners);
-        self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| face[corner])));
         for (has_flaw, count) in [(crossing, &mut self.crossing), (bent, &mut self.bent)] {
             if has_flaw {
                 count.add_with(line, || format!("{} corners", face.len()));
             }
         }
+        triangles
     }
 
     /// Warnings about polygons that have no obvious surface.

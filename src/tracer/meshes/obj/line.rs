@@ -14,6 +14,7 @@ pub(super) struct Line<'a> {
 }
 
 /// What is wrong with a line.
+#[derive(Debug)]
 pub(super) struct LineError {
     /// Number of the line, counted from 1.
     pub(super) line: usize,

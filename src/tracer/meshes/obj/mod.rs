@@ -12,15 +12,22 @@
 //! | `f` with 3 or more vertices | triangles; a convex polygon becomes a fan around its first vertex ([`polygon`]) |
 //! | `usemtl`, `mtllib` | the diffuse colour of the material; `mtllib` takes one name with spaces, or several |
 //! | `p`, `l`, `curv`, `curv2`, `surf` | no surface; counted in [`ObjReport::ignored_elements`] |
-//! | normals, texture coordinates, groups, display attributes | ignored, with any content |
+//! | `vn x y z`, and `f` with `v//vn` or `v/vt/vn` | normals at the corners of triangles; see [`Mesh::normals`] |
+//! | `vt u`, `vt u v`, `vt u v w`, and `f` with `v/vt` | texture coordinates at the corners, without `w` |
+//! | groups, display attributes | ignored, with any content |
 //! | any other line | ignored with a warning |
 //!
 //! Negative indices count back from the line that they are in. Positive indices may refer to vertices that come later
 //! in the file. A backslash at the end of a line joins it with the next line, except in comments.
 //!
+//! Polygons are split by their positions alone, and each corner keeps its own normal and texture coordinate. `tobj`
+//! never sees these: it would make a vertex for each combination. One that cannot be read is an error only if a face
+//! uses it.
+//!
 //! Lines end with a line feed, a carriage return, or both. Text extends ASCII. It need not be UTF-8: other names are
 //! taken as Latin-1. UTF-16 is refused.
 
+mod attribute;
 mod geometry;
 mod line;
 mod material;
@@ -63,7 +70,8 @@ pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
     // The reader passes no objects, groups or materials on. So tobj makes one model, and its faces share vertices.
     let parsed = tobj::load_obj_buf(&mut reader, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     let ((models, _), lines) = reader.finish(parsed)?;
-    let geometry = Geometry::new(&models, &lines.polygons);
+    let has_attributes = lines.normals.is_used() || lines.texture_coordinates.is_used();
+    let geometry = Geometry::new(&models, &lines.polygons, has_attributes);
 
     let mut warnings = Vec::new();
     let colors = lines.libraries.load(path, &mut warnings)?;
@@ -72,9 +80,20 @@ pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
     warnings.extend(lines.colored_vertices.warning(path, "vertex colour ignored"));
     warnings.extend(lines.unknown_keywords.warning(path, "unknown keyword, line ignored"));
 
-    let mesh = Mesh::new(geometry.positions, geometry.triangles, parts)
-        .map_err(|error| Error::in_file(path, error.to_string()))?;
+    let ObjLines { vertices, ignored_elements, normals, texture_coordinates, .. } = lines;
+    let mesh = Mesh::new(geometry.positions, geometry.triangles, parts).and_then(|mut mesh| {
+        if normals.is_used() {
+            let (values, corners) = normals.of_triangles(&geometry.corners);
+            mesh = mesh.with_normals(values, corners)?;
+        }
+        if texture_coordinates.is_used() {
+            let (values, corners) = texture_coordinates.of_triangles(&geometry.corners);
+            mesh = mesh.with_texture_coordinates(values, corners)?;
+        }
+        Ok(mesh)
+    });
+    let mesh = mesh.map_err(|error| Error::in_file(path, error.to_string()))?;
     let degenerate = mesh.degenerate_triangles();
-    let report = ObjReport { vertices: lines.vertices, degenerate, ignored_elements: lines.ignored_elements, warnings };
+    let report = ObjReport { vertices, degenerate, ignored_elements, warnings };
     Ok((mesh, report))
 }

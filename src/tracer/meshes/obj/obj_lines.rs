@@ -1,23 +1,21 @@
 //! The lines of an OBJ file: which are passed on to `tobj`, which are refused, and what is kept of the others.
 
 use std::collections::HashMap;
-use std::num::IntErrorKind;
 use std::path::Path;
 
 use glam::Vec3;
 
+use super::attribute::{Attribute, ForwardIndices, VERTEX};
 use super::line::{Line, LineCount, LineError, decode};
 use super::material::{DEFAULT_COLOR, UsedLibraries};
 use super::reader::LineChecker;
 use crate::error::quoted;
 use crate::tracer::meshes::mesh::Part;
 
-/// Keywords of lines that are ignored without a warning: attributes of vertices, names, display settings, and the
+/// Keywords of lines that are ignored without a warning: points of parameter space, names, display settings, and the
 /// bodies of free-form curves and surfaces. The first line of a curve or surface counts it; see
 /// [`ObjLines::ignored_elements`].
-const IGNORED_KEYWORDS: [&[u8]; 28] = [
-    b"vn",
-    b"vt",
+const IGNORED_KEYWORDS: [&[u8]; 26] = [
     b"vp",
     b"o",
     b"g",
@@ -47,7 +45,7 @@ const IGNORED_KEYWORDS: [&[u8]; 28] = [
 ];
 
 /// Checks the lines of an OBJ file, passes vertices and faces on, and keeps what `tobj` would drop.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct ObjLines {
     /// Number of vertices.
     pub(super) vertices: usize,
@@ -55,8 +53,11 @@ pub(super) struct ObjLines {
     faces: usize,
     /// The line of each face with more than three corners.
     pub(super) polygons: Vec<usize>,
-    /// The largest index that a face used before its vertex was defined.
-    forward: Option<ForwardIndex>,
+    forward: ForwardIndices,
+    /// Number of corners of all faces.
+    corners: usize,
+    pub(super) normals: Attribute<3>,
+    pub(super) texture_coordinates: Attribute<2>,
     pub(super) libraries: UsedLibraries,
     /// The materials that faces use.
     materials: Vec<UsedMaterial>,
@@ -76,12 +77,23 @@ struct UsedMaterial {
     first_face: usize,
 }
 
-/// A vertex index, counted from 1, and the face that uses it.
-#[derive(Debug)]
-struct ForwardIndex {
-    index: usize,
-    line: usize,
-    text: String,
+impl Default for ObjLines {
+    fn default() -> Self {
+        Self {
+            vertices: 0,
+            faces: 0,
+            polygons: Vec::new(),
+            forward: ForwardIndices::default(),
+            corners: 0,
+            normals: Attribute::normals(),
+            texture_coordinates: Attribute::texture_coordinates(),
+            libraries: UsedLibraries::default(),
+            materials: Vec::new(),
+            ignored_elements: 0,
+            colored_vertices: LineCount::default(),
+            unknown_keywords: LineCount::default(),
+        }
+    }
 }
 
 impl LineChecker for ObjLines {
@@ -89,6 +101,14 @@ impl LineChecker for ObjLines {
         match line.keyword() {
             b"v" => self.vertex(line, checked),
             b"f" => self.face(line, checked),
+            b"vn" => {
+                self.normals.add_value(line);
+                Ok(())
+            }
+            b"vt" => {
+                self.texture_coordinates.add_value(line);
+                Ok(())
+            }
             b"usemtl" => {
                 self.use_material(line);
                 Ok(())
@@ -111,13 +131,9 @@ impl LineChecker for ObjLines {
     }
 
     fn check_end(&mut self) -> Result<(), LineError> {
-        match &self.forward {
-            Some(ForwardIndex { index, line, text }) if *index > self.vertices => Err(LineError {
-                line: *line,
-                message: format!("there is no vertex {index}, the file has {}: {text}", self.vertices),
-            }),
-            _ => Ok(()),
-        }
+        self.forward.check_end(&VERTEX, self.vertices)?;
+        self.texture_coordinates.check_end()?;
+        self.normals.check_end()
     }
 }
 
@@ -154,9 +170,13 @@ impl ObjLines {
         let mut corners = 0;
         checked.push(b'f');
         for word in line.arguments() {
-            // Keep only the index of the position. Indices of texture coordinate and normal follow after slashes.
-            let index = word.split(|&byte| byte == b'/').next().unwrap_or_default();
-            self.check_index(line, index)?;
+            // tobj gets only the index of the position. Those of texture coordinate and normal follow after slashes.
+            let mut indices = word.split(|&byte| byte == b'/');
+            let index = indices.next().unwrap_or_default();
+            self.forward.resolve(&VERTEX, self.vertices, line, index)?;
+            self.texture_coordinates.add_corner(line, indices.next().unwrap_or_default(), self.corners)?;
+            self.normals.add_corner(line, indices.next().unwrap_or_default(), self.corners)?;
+            self.corners += 1;
             checked.push(b' ');
             checked.extend(index);
             corners += 1;
@@ -170,32 +190,6 @@ impl ObjLines {
             self.polygons.push(line.number);
         }
         Ok(())
-    }
-
-    /// Checks one vertex index of a face.
-    fn check_index(&mut self, line: &Line<'_>, word: &[u8]) -> Result<(), LineError> {
-        let text = str::from_utf8(word).map_err(|_| line.error("face index is not a whole number"))?;
-        // tobj parses indices as isize too.
-        let index = text.parse::<isize>().map_err(|error| match error.kind() {
-            IntErrorKind::Empty => line.error("face index is missing"),
-            IntErrorKind::PosOverflow | IntErrorKind::NegOverflow => line.error("face index is out of range"),
-            _ => line.error("face index is not a whole number"),
-        })?;
-        match index {
-            0 => Err(line.error("face index is 0, but the first vertex is 1")),
-            ..0 if index.unsigned_abs() > self.vertices => {
-                Err(line.error(&format!("face index {index} counts back beyond the {} vertices so far", self.vertices)))
-            }
-            ..0 => Ok(()),
-            1.. => {
-                let index = index.unsigned_abs();
-                let known = self.forward.as_ref().map_or(0, |forward| forward.index).max(self.vertices);
-                if index > known {
-                    self.forward = Some(ForwardIndex { index, line: line.number, text: quoted(line.text) });
-                }
-                Ok(())
-            }
-        }
     }
 
     fn use_material(&mut self, line: &Line<'_>) {
