@@ -1,4 +1,4 @@
-//! The closest hit in a tree of another crate: obvhs builds the tree, a kernel tests its leaves, eight triangles at once.
+//! The closest hit in a tree of another crate: obvhs builds it, a kernel tests its leaves, eight triangles at once.
 //!
 //! The box rule makes the hits independent of the tree: they are those of the crate's own tree, bit for bit.
 //! `cargo run --release --example foreign_tree --features peers`

@@ -81,6 +81,12 @@
 //! width. Build with `RUSTFLAGS="-C target-cpu=native"`, or with `x86-64-v3` for every CPU with AVX2 and FMA. Hits do
 //! not depend on it.
 //!
+//! # Versions
+//!
+//! Types of [glam] and [wide] are part of the interface. Both crates are exported, so `raylanes::glam` and
+//! `raylanes::wide` are always the right versions. Another minor version of either, which may break code before 1.0, is
+//! a breaking change of this crate. Enums and structs that may grow are non-exhaustive: they are made by constructors.
+//!
 //! # Adding a kernel
 //!
 //! Write `src/kernels/<family>/<name>.rs`, name it in the family's `mod.rs`, and add one line to [`registry`]. The

@@ -3,6 +3,26 @@
 //! The closest hit is the same, bit for bit, for every mode, traversal order, tree, packet width and number of threads,
 //! and for brute force. The *box rule* makes it so; `ARCHITECTURE.md` states and proves it.
 //!
+//! ```
+//! use raylanes::kernels::triangle::ExactHalfOpen;
+//! use raylanes::tracer::{Mode, Scene, SceneSource, occluded, trace};
+//!
+//! // A built-in scene; an OBJ file or a scene file is loaded in the same way.
+//! let loaded = SceneSource::parse("terrain:1e3")?.load()?;
+//! let (view, scene) = (loaded.view, Scene::<ExactHalfOpen<f32>>::new(loaded.world));
+//!
+//! // The rays of a picture, and the closest hit of each.
+//! let rays = view.camera(64, 64).rays(64, 64);
+//! let hits = trace(&scene, &rays, Mode::Auto);
+//!
+//! // From each hit a ray straight up, away from the surface. On a terrain, nothing is there.
+//! let seen = rays.iter().zip(&hits).filter(|(_, hit)| hit.mask);
+//! let upwards: Vec<_> = seen.map(|(ray, hit)| scene.surface(ray, hit).spawn(glam::Vec3::Y)).collect();
+//! assert!(upwards.len() > 1000);
+//! assert!(!occluded(&scene, &upwards, Mode::Auto).contains(&true));
+//! # Ok::<(), raylanes::tracer::Error>(())
+//! ```
+//!
 //! # Rooms
 //!
 //! | room | content |

@@ -275,7 +275,7 @@ fn notched() -> Mesh {
     Mesh::from_triangles(&triangles).unwrap()
 }
 
-/// `Open3D`, issue 5105: rays from outside touched a vertex or an edge of the unit cube, and the points counted as inside.
+/// `Open3D`, issue 5105: rays from outside touched a vertex or an edge of the unit cube, and the points were inside.
 #[test]
 fn points_beside_a_cube_are_outside() {
     let half = Vec3::splat(0.5);

@@ -67,7 +67,7 @@ impl Reference {
         origin + dir * (normal.dot(v0 - origin) / normal.dot(dir))
     }
 
-    /// The `t` and the number of the first triangle that the ray from `origin` hits behind its start, without `skipped`.
+    /// The `t` and the number of the first triangle that the ray hits behind its start, without `skipped`.
     pub(crate) fn closest(&self, origin: DVec3, dir: DVec3, skipped: u32) -> (f64, u32) {
         let inverse = 1.0 / dir;
         let (mut best, mut stack) = ((f64::INFINITY, u32::MAX), vec![0]);

@@ -1,7 +1,7 @@
 //! Tests that rays that leave a surface do not hit it again, and miss none of its neighbours.
 //!
-//! Bounce rays of whole pictures are compared with a reference in `f64`: a ray from the exact point, which leaves out the
-//! triangle that it starts on. The table that the test prints also shows what other ways to start a ray do.
+//! Bounce rays of whole pictures are compared with a reference in `f64`: a ray from the exact point, which leaves out
+//! the triangle that it starts on. The table that the test prints also shows what other ways to start a ray do.
 //! `spawn.expected` pins it; `RAYLANES_BLESS=1 cargo test --test hits` writes it anew.
 
 use std::fmt::Write;

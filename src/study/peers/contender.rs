@@ -13,7 +13,7 @@ use crate::tracer::{Geometry, Mesh, Mode, Scene, World, trace_set_into};
 /// A scene that is ready to be traced by some tracer.
 pub trait Tracer: Send + Sync {
     /// Finds the closest hit of every ray, or, with `any_hit`, only whether there is a hit. Runs on the threads of the
-    /// current rayon pool. Up to rounding, hits are those of [`trace_set_into`].
+    /// current rayon pool. Up to rounding, hits are those of [`trace`](crate::tracer::trace).
     fn trace(&self, rays: &[Ray<f32>], any_hit: bool, hits: &mut [Hit<f32>]);
 }
 

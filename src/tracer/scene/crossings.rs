@@ -21,9 +21,9 @@ use crate::tracer::walk::filter::Filter;
 const OUTWARDS: Vec3 = Vec3::new(0.537_319_6, 0.339_077_1, 0.772_198_5);
 
 impl<K: Kernel<Shape = Triangle>> Scene<K> {
-    /// All hits of the ray, by `t`. The first one is the closest hit. At equal `t`, the lower instance number comes first,
-    /// and within an instance the lower primitive number. Only if the box of an instance clamps several of its hits to
-    /// one `t`, they keep the order of their `t` in the object.
+    /// All hits of the ray, by `t`. The first one is the closest hit. At equal `t`, the lower instance number comes
+    /// first, and within an instance the lower primitive number. Only if the box of an instance clamps several of its
+    /// hits to one `t`, they keep the order of their `t` in the object.
     ///
     /// Each triangle is hit at most once. A quadric is hit once or twice; where the ray touches it, once.
     ///

@@ -46,8 +46,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         Filtered { scene: self, visible: Visible { mask, filter: Everything } }
     }
 
-    /// The scene for rays for which only the hits count that the filter accepts: for transparent parts of a surface, for
-    /// culling by side, for leaving out a primitive.
+    /// The scene for rays for which only the hits count that the filter accepts: for transparent parts of a surface,
+    /// for culling by side, for leaving out a primitive.
     ///
     /// ```
     /// use glam::Vec3;

@@ -16,8 +16,8 @@ pub trait Filter {
     /// Whether this hit counts.
     fn accepts(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> bool;
 
-    /// [`Filter::accepts`] for a hit of an instance. `t_in_object` is its `t` before it was clamped to the instance's box
-    /// in the world.
+    /// [`Filter::accepts`] for a hit of an instance. `t_in_object` is its `t` before it was clamped to the instance's
+    /// box in the world.
     #[doc(hidden)]
     #[inline(always)]
     fn accepts_in_instance(&self, ray: &Ray<f32>, hit: &Hit<f32>, t_in_object: f32) -> bool {
