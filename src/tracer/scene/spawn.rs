@@ -36,8 +36,9 @@ const LEAST: f64 = 1.0 / (1_u64 << 50) as f64;
 impl SurfacePoint {
     /// The ray that leaves the surface in this direction, without end. It starts on the side to which `dir` points.
     ///
-    /// The ray does not hit the primitive that it leaves. Its start is off the surface by less than 10⁻⁵ of the size of
-    /// a triangle, unless the triangle is that much farther away from its instance's position. A quadric may be hit
+    /// With a kernel that claims [no hit behind](crate::kernels::Claim::NoHitBehind), the ray does not hit the triangle
+    /// that it leaves. Others may hit slivers again. The start is off the surface by little more than rounding errors:
+    /// those of its own coordinates, and of the test and the transform that the ray must pass. A quadric may be hit
     /// elsewhere, as by a ray inside a sphere. If `dir` is exactly along the surface, or the surface has no normal, the
     /// ray starts on the side from which the surface was hit.
     #[inline]
