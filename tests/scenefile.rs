@@ -100,6 +100,16 @@ fn every_kind_of_quadric_calls_its_constructor() {
         let world = world(&format!("[[quadric]]\nname = 'it'\n{text}\n[[instance]]\nof = 'it'\n"));
         assert_eq!(world.geometries(), [Geometry::Quadric(expected)], "{text}");
     }
+    for (text, expected) in [
+        ("disc = { radius = 2 }", Geometry::disc(2.0)),
+        ("cylinder = { radius = 2, half_height = 3, closed = true }", Geometry::closed_cylinder(2.0, 3.0)),
+        ("cylinder = { radius = 2, half_height = 3, closed = false }", Quadric::cylinder(2.0, 3.0).into()),
+        ("cone = { radius = 2, height = 3, closed = true }", Geometry::closed_cone(2.0, 3.0)),
+        ("paraboloid = { radius = 2, height = 3, closed = true }", Geometry::closed_paraboloid(2.0, 3.0)),
+    ] {
+        let world = world(&format!("[[quadric]]\nname = 'it'\n{text}\n[[instance]]\nof = 'it'\n"));
+        assert_eq!(world.geometries(), [expected], "{text}");
+    }
 }
 
 #[test]

@@ -84,7 +84,7 @@ pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
 pub use memory::check_memory;
 pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
-pub use scene::{Checker, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
+pub use scene::{Checker, Disc, Face, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{
     Mode, Traceable, checksum, occluded, occluded_into, read_rays, start_global_pool, thread_pool, trace, trace_into,
     traversal_stats, write_hits, write_rays, write_wide_hits,

@@ -1,8 +1,9 @@
 //! Tests what users do with hits: all hits of a ray, filters, groups of instances, points inside closed meshes, and, in
-//! `spawn`, rays that leave a surface.
+//! `spawn`, rays that leave a surface; in `faces`, discs.
 //!
 //! The meshes and rays of the cases at the end are our own, after reports by users of other libraries.
 
+mod faces;
 mod reference;
 mod spawn;
 #[path = "../worlds/mod.rs"]

@@ -50,7 +50,8 @@ pub(crate) fn built_in_mesh(name: &str) -> Mesh {
     }
 }
 
-/// Meshes: a sphere, boxes, a flat box, loose triangles. Quadrics: one of every kind.
+/// Meshes: a sphere, boxes, a flat box, loose triangles. Quadrics: one of every kind. A disc, and
+/// quadrics that discs close.
 pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
     let sphere = built_in_mesh("sphere:1e3");
     let abc = Vec3::new(0.5, 0.75, 0.25);
@@ -72,7 +73,13 @@ pub(crate) fn geometries(random: &mut Random) -> Vec<Geometry> {
         Quadric::hyperboloid_of_two_sheets(abc, 1.0),
         Quadric::plane(Vec2::new(1.0, 0.5)),
     ];
-    meshes.into_iter().map(Geometry::Mesh).chain(quadrics.into_iter().map(Geometry::Quadric)).collect()
+    let faces = [
+        Geometry::disc(0.75),
+        Geometry::closed_cylinder(0.5, 1.0),
+        Geometry::closed_cone(1.0, 2.0),
+        Geometry::closed_paraboloid(1.0, 2.0),
+    ];
+    meshes.into_iter().map(Geometry::Mesh).chain(quadrics.into_iter().map(Geometry::Quadric)).chain(faces).collect()
 }
 
 /// An instance with the geometry's own paint.
@@ -111,7 +118,7 @@ pub(crate) fn on_triangle(random: &mut Random, Triangle { v0, v1, v2 }: Triangle
 }
 
 /// A point of the geometry, and a direction: of a mesh, a point of a triangle and the direction to its second vertex;
-/// of a quadric, a point in its box and an axis as long as the box.
+/// of a quadric or of faces, a point in its box and an axis as long as the box.
 fn target(random: &mut Random, geometry: &Geometry) -> (Vec3, Vec3) {
     match geometry {
         Geometry::Mesh(mesh) => {
@@ -119,8 +126,8 @@ fn target(random: &mut Random, geometry: &Geometry) -> (Vec3, Vec3) {
             let target = on_triangle(random, triangle);
             (target, triangle.v1 - target)
         }
-        Geometry::Quadric(quadric) => {
-            let Aabb { lo, hi } = quadric.bounds();
+        Geometry::Quadric(_) | Geometry::Faces(_) => {
+            let Aabb { lo, hi } = geometry.bounds();
             let target = lo + (hi - lo) * (vec3(random) * 0.25 + 0.5);
             (target, pick(random, &Vec3::AXES) * (hi - lo))
         }

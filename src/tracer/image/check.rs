@@ -69,7 +69,9 @@ impl View {
             let bounds = geometry.bounds();
             let (size, place) = match geometry {
                 Geometry::Mesh(_) => ("the size of a mesh", "the largest coordinate of a mesh"),
-                Geometry::Quadric(_) => ("the size of a quadric", "the largest coordinate of a quadric"),
+                Geometry::Quadric(_) | Geometry::Faces(_) => {
+                    ("the size of a quadric", "the largest coordinate of a quadric")
+                }
             };
             check_range(size, bounds.diagonal())?;
             check_place(place, bounds.lo.abs().max(bounds.hi.abs()))?;

@@ -2,12 +2,13 @@
 
 use std::fmt::Debug;
 
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
-use crate::geom::{Aabb, Hit, Mask8, Quadric, Ray};
+use crate::geom::{Aabb, Candidate, Hit, Mask8, Quadric, Ray};
 use crate::kernels::Kernel;
 use crate::kernels::instance::Instance;
 use crate::tracer::leaf::MeshTree;
+use crate::tracer::walk::filter::{Everything, Filter};
 
 /// A prepared instance.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +44,8 @@ impl PreparedInstance {
 /// A geometry, prepared for its kernel.
 pub(super) enum Object<'a, K: Kernel> {
     Mesh(&'a MeshTree<K>),
-    Quadric(&'a dyn AnyQuadric),
+    /// A quadric, or faces.
+    Quadrics(&'a [Box<dyn AnyQuadric>]),
 }
 
 /// A quadric, prepared for a kernel that is chosen at run time. The dynamic call costs once per instance, not per node.
@@ -60,4 +62,50 @@ impl<Q: Kernel<Shape = Quadric>> AnyQuadric for Q {
     fn closest_hit8(&self, ray: &Ray<f32x8>) -> Hit<f32x8> {
         self.hit(ray)
     }
+}
+
+/// The closest hit of several quadrics. Its primitive is the number of the quadric.
+#[inline(always)]
+pub(super) fn closest_hit(quadrics: &[Box<dyn AnyQuadric>], ray: &Ray<f32>) -> Hit<f32> {
+    closest_accepted_hit(quadrics, ray, &Everything)
+}
+
+/// The closest hit that counts of several quadrics.
+#[inline(always)]
+pub(super) fn closest_accepted_hit<F: Filter>(
+    quadrics: &[Box<dyn AnyQuadric>],
+    ray: &Ray<f32>,
+    filter: &F,
+) -> Hit<f32> {
+    (0..).zip(quadrics).fold(Hit::MISS, |best, (number, quadric)| {
+        let hit = accepted_hit(&**quadric, number, ray, filter);
+        if hit.is_closer_than(&best) { hit } else { best }
+    })
+}
+
+/// The closest hit that counts of one quadric.
+#[inline(always)]
+fn accepted_hit<F: Filter>(quadric: &dyn AnyQuadric, number: u32, ray: &Ray<f32>, filter: &F) -> Hit<f32> {
+    let hit = |ray: &Ray<f32>| {
+        let hit = quadric.closest_hit(ray);
+        if hit.mask { Hit { primitive: number, ..hit } } else { hit }
+    };
+    let first = hit(ray);
+    if F::ALL || !first.mask || filter.accepts(ray, &first) {
+        return first;
+    }
+    // A line meets a quadric twice at most.
+    let behind = Ray { t_min: first.t.next_up(), ..*ray };
+    let second = hit(&behind);
+    if second.mask && filter.accepts(&behind, &second) { second } else { Hit::MISS }
+}
+
+/// [`closest_hit`] in eight lanes.
+#[inline(always)]
+pub(super) fn closest_hit8(quadrics: &[Box<dyn AnyQuadric>], ray: &Ray<f32x8>) -> Hit<f32x8> {
+    let mut best = Hit::<f32x8>::miss();
+    for (number, quadric) in (0..).zip(quadrics) {
+        best.keep_closer(&Candidate::from(quadric.closest_hit8(ray)).of_primitives(u32x8::splat(number)));
+    }
+    best
 }

@@ -1,6 +1,7 @@
 //! What is traced: geometries and their instances, and the two-level scene that a kernel makes of them.
 
 mod crossings;
+mod faces;
 mod filtered;
 mod instance;
 mod spawn;
@@ -10,6 +11,7 @@ mod two_level;
 mod world;
 mod world_box;
 
+pub use faces::{Disc, Face};
 pub use filtered::Filtered;
 pub use surface::SurfacePoint;
 pub(crate) use traverse::{Scratch, Visible};

@@ -22,13 +22,16 @@
 //! along the normal too, by a constant number of ulp. M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering",
 //! chapter on rounding error, moves it by an error bound of the point, which is computed in `f32`.
 
-use glam::{Affine3, DVec3, Vec3};
+use glam::{Affine3, DMat3, DVec3, Vec3};
 
-use super::surface::{ExactSurface, SurfacePoint, gradient, value};
+use super::surface::{ExactSurface, SurfacePoint, gradient, matrix, value};
 use crate::geom::{Quadric, Ray, Triangle};
 
 /// Bound on the rounding errors of a kernel's test, and of the transform of a ray, relative to the terms of their sums.
-const ERROR: f64 = 24.0 / (1_u64 << 24) as f64;
+const ERROR: f64 = 24.0 * HALF_ULP;
+
+/// The largest relative error of rounding to `f32`.
+const HALF_ULP: f64 = 1.0 / (1_u64 << 24) as f64;
 
 /// The least distance from the surface, relative to its size and place, also where the error bound is zero.
 const LEAST: f64 = 1.0 / (1_u64 << 50) as f64;
@@ -43,14 +46,15 @@ impl SurfacePoint {
     /// ray starts on the side from which the surface was hit.
     #[inline]
     pub fn spawn(&self, dir: Vec3) -> Ray<f32> {
-        Ray::new(self.start(dir.as_dvec3().dot(self.exact_normal)), dir)
+        Ray::new(self.start(dir.as_dvec3().dot(self.footing.normal)), dir)
     }
 
     /// The ray that leaves the surface and ends at `target`, where `t` is 1: for light sources. It starts like that of
     /// [`SurfacePoint::spawn`]. It may hit the surface at its end if the target is no farther from it than the start.
     #[inline]
     pub fn spawn_to(&self, target: Vec3) -> Ray<f32> {
-        let start = self.start(target.as_dvec3().dot(self.exact_normal) - self.plane);
+        let Footing { point, normal, .. } = self.footing;
+        let start = self.start((target.as_dvec3() - point).dot(normal));
         Ray { t_max: 1.0, ..Ray::new(start, target - start) }
     }
 
@@ -58,67 +62,96 @@ impl SurfacePoint {
     #[inline]
     fn start(&self, height: f64) -> Vec3 {
         let front = if height == 0.0 || height.is_nan() { self.front } else { height > 0.0 };
-        self.starts[usize::from(!front)]
+        self.footing.start(if front { 1.0 } else { -1.0 })
     }
 }
 
-/// The starts on the front side of the surface and on its back side.
-pub(super) fn starts(
-    surface: &ExactSurface,
-    ray: &Ray<f32>,
-    t: f32,
-    shape: &Leaving,
-    object_to_world: &Affine3,
-) -> [Vec3; 2] {
-    let (linear, translation) = (object_to_world.matrix3.as_dmat3(), object_to_world.translation.as_dvec3());
-    let to_object = linear.inverse();
-    let normal = surface.normal;
-    // What the surface is made of: vertices, or the place of the quadric.
-    let anchors = match shape {
-        Leaving::Triangle(triangle) => triangle.vertices().map(|vertex| linear * vertex.as_dvec3() + translation),
-        Leaving::Quadric(_) => [translation; 3],
-    };
-    // How far a point is above the surface. Rounding also moves a point along the surface, so on a curved one the
-    // tangent plane does not tell.
-    let height = |point: DVec3| match shape {
-        Leaving::Triangle(_) => (point - anchors[0]).dot(normal),
-        Leaving::Quadric(quadric) => {
-            let in_object = to_object * (point - translation);
-            value(quadric, in_object) / (to_object.transpose() * gradient(quadric, in_object)).dot(normal)
+/// Where rays leave a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Footing {
+    /// The hit on the surface, before rounding.
+    point: DVec3,
+    /// The unit normal before rounding.
+    normal: DVec3,
+    /// The height above the surface that a start must exceed.
+    needed: f64,
+    /// How the surface bends: coefficients of x², y², z² and of yz, zx, xy, from `point` on, in the height of a point.
+    bend: [DVec3; 2],
+    /// Size of the surface and of its coordinates. No start is farther away.
+    size: f64,
+}
+
+impl Footing {
+    /// That of the hit at `t` of this ray.
+    pub(super) fn of(
+        surface: &ExactSurface,
+        ray: &Ray<f32>,
+        t: f32,
+        shape: &Leaving,
+        object_to_world: &Affine3,
+    ) -> Self {
+        let (linear, translation) = (object_to_world.matrix3.as_dmat3(), object_to_world.translation.as_dvec3());
+        let untransformed = *object_to_world == Affine3::IDENTITY;
+        let to_object = if untransformed { DMat3::IDENTITY } else { linear.inverse() };
+        let normal = surface.normal;
+        // What the surface is made of: vertices, or the place of the quadric.
+        let anchors = match shape {
+            Leaving::Triangle(triangle) => triangle.vertices().map(|vertex| linear * vertex.as_dvec3() + translation),
+            Leaving::Quadric(_) => [translation; 3],
+        };
+        // Both `t` and the barycentrics are rounded. In a large triangle `t` is more precise. A step along the normal
+        // brings the point to the surface.
+        let mut point = ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(t);
+        let (height, bend) = match shape {
+            Leaving::Triangle(_) => ((point - anchors[0]).dot(normal), [DVec3::ZERO; 2]),
+            Leaving::Quadric(quadric) => {
+                let in_object = to_object * (point - translation);
+                let slope = (to_object.transpose() * gradient(quadric, in_object)).dot(normal);
+                let DMat3 { x_axis: x, y_axis: y, z_axis: z } =
+                    to_object.transpose() * matrix(quadric) * to_object * slope.recip();
+                let bend = [DVec3::new(x.x, y.y, z.z), DVec3::new(y.z, z.x, x.y) * 2.0];
+                (value(quadric, in_object) / slope, bend)
+            }
+        };
+        if height.is_finite() {
+            point -= normal * height;
         }
-    };
-    // Both `t` and the barycentrics are rounded. In a large triangle `t` is more precise. A step along the normal
-    // brings the point to the surface.
-    let mut point = ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(t);
-    let step = height(point);
-    if step.is_finite() {
-        point -= normal * step;
+        let parts = anchors.map(|anchor| anchor - point);
+        let across = parts.into_iter().fold(DVec3::ZERO, |across, part| across.max(part.abs()));
+        // The products with the normal that an intersection sums up.
+        let mut error = normal.abs().dot(across);
+        if !untransformed {
+            let from = (point - translation).abs() + across;
+            error += (linear.transpose() * normal).abs().dot(to_object.abs() * from);
+        }
+        let size = across.max_element().max(point.abs().max_element());
+        Self { point, normal, needed: error * ERROR, bend, size }
     }
-    let parts = anchors.map(|anchor| anchor - point);
-    let across = parts.into_iter().fold(DVec3::ZERO, |across, part| across.max(part.abs()));
-    // The products with the normal that an intersection sums up.
-    let mut error = normal.abs().dot(across);
-    if *object_to_world != Affine3::IDENTITY {
-        let from = (point - translation).abs() + across;
-        error += (linear.transpose() * normal).abs().dot(to_object.abs() * from);
-    }
-    let needed = error * ERROR;
-    let size = across.max_element().max(point.abs().max_element());
-    [1.0, -1.0].map(|side| {
+
+    /// The start of a ray, on the side of the normal (1) or on the other side (-1).
+    #[inline]
+    fn start(&self, side: f64) -> Vec3 {
+        let &Self { point, normal, needed, bend: [squares, products], size } = self;
+        // How much lower a start can become when its coordinates are rounded.
+        let rounding = normal.abs().dot(point.abs()) * HALF_ULP;
         let mut offset = needed.max(size * LEAST);
         loop {
             let start = (point + normal * (side * offset)).as_vec3();
+            // Rounding also moves a point along the surface, which may bend there.
+            let moved = start.as_dvec3() - point;
+            let DVec3 { x, y, z } = moved;
+            let bent = squares.dot(moved * moved) + products.dot(DVec3::new(y * z, z * x, x * y));
             // A surface without a normal, or with one beyond the range of numbers: nothing is better.
-            if side * height(start.as_dvec3()) > needed || offset >= size || !offset.is_finite() {
+            if side * (moved.dot(normal) + bent) > needed || offset >= size || !offset.is_finite() {
                 return start;
             }
-            offset *= 2.0;
+            offset = (offset * 2.0).max(needed + rounding);
         }
-    })
+    }
 }
 
 /// The surface that rays leave, in its own coordinates.
-pub(super) enum Leaving<'a> {
+pub(super) enum Leaving {
     Triangle(Triangle),
-    Quadric(&'a Quadric),
+    Quadric(Quadric),
 }

@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
-use super::spawn::{Leaving, starts};
+use super::spawn::{Footing, Leaving};
 use super::two_level::Scene;
 use super::world::{Geometry, Paint};
 use crate::geom::{Hit, Quadric, Ray, Triangle};
@@ -32,18 +32,14 @@ pub struct SurfacePoint {
     /// barycentrics u and v of the hit.
     ///
     /// On a quadric, u is the angle about its z axis in turns, from 0 at `+x` to 1. v is the height along z between the
-    /// clip planes, from 0 to 1. On a plane `z = constant`, u and v run along x and y between the clip planes.
+    /// clip planes, from 0 to 1. On a disc or a plane `z = constant`, u and v run along x and y, from 0 to 1 across it.
     pub uv: Vec2,
     /// Linear red, green and blue from 0 to 1.
     pub color: Vec3,
     /// Whether the ray came from the front side, to which the normal points. True where there is no normal.
     pub front: bool,
-    /// Where rays start that leave on the front side and on the back side; see [`SurfacePoint::spawn`].
-    pub(super) starts: [Vec3; 2],
-    /// The normal before rounding.
-    pub(super) exact_normal: DVec3,
-    /// The product of that normal and the point before rounding.
-    pub(super) plane: f64,
+    /// Where rays leave; see [`SurfacePoint::spawn`].
+    pub(super) footing: Footing,
 }
 
 /// The surface at a hit, before rounding.
@@ -91,7 +87,10 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
                 });
                 (uv, mesh.color(primitive), Leaving::Triangle(mesh.triangle(primitive)))
             }
-            Geometry::Quadric(quadric) => (quadric_uv(quadric, in_object), Vec3::ONE, Leaving::Quadric(quadric)),
+            faces => {
+                let quadric = self.quadric_of(faces, hit);
+                (quadric_uv(&quadric, in_object), Vec3::ONE, Leaving::Quadric(quadric))
+            }
         };
         let color = match &placement.paint {
             Paint::Own => own_color,
@@ -105,9 +104,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             uv,
             color,
             front: comes_from_front(normal, ray),
-            starts: starts(&surface, ray, hit.t, &leaving, &placement.object_to_world),
-            exact_normal: normal,
-            plane: normal.dot(point),
+            footing: Footing::of(&surface, ray, hit.t, &leaving, &placement.object_to_world),
         }
     }
 
@@ -131,20 +128,26 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
                 let in_object = v0 + e1 * f64::from(hit.u) + e2 * f64::from(hit.v);
                 (linear * in_object + translation, (linear * e1).cross(linear * e2), in_object)
             }
-            Geometry::Quadric(quadric) => {
+            faces => {
+                let quadric = self.quadric_of(faces, hit);
                 let (origin, along) = (ray.origin.as_dvec3(), ray.dir.as_dvec3() * f64::from(hit.t));
                 // The translation is subtracted first, as for the ray. So a position far from the world's origin costs
                 // no accuracy.
                 let in_object = linear.inverse() * ((origin - translation) + along);
-                (origin + along, cofactors(linear) * gradient(quadric, in_object), in_object)
+                (origin + along, cofactors(linear) * gradient(&quadric, in_object), in_object)
             }
         };
         ExactSurface { point, normal: normalized(normal), in_object }
     }
 
-    /// The number of the triangle that was hit, in its mesh.
+    /// The number of the triangle that was hit, in its mesh; or of the face, in its geometry.
     pub(super) fn primitive_of_mesh(&self, hit: &Hit<f32>) -> u32 {
         hit.primitive - self.first_primitive(hit.instance)
+    }
+
+    /// The face that was hit, as a quadric.
+    fn quadric_of(&self, faces: &Geometry, hit: &Hit<f32>) -> Quadric {
+        faces.quadric(self.primitive_of_mesh(hit)).expect("a mesh has no faces")
     }
 }
 
@@ -185,6 +188,12 @@ pub(super) fn gradient(quadric: &Quadric, point: DVec3) -> DVec3 {
     let (squares, linear) = (quadric.squares.as_dvec3(), quadric.linear.as_dvec3());
     let (DVec3 { x, y, z }, DVec3 { x: yz, y: zx, z: xy }) = (point, quadric.products.as_dvec3());
     squares * point * 2.0 + DVec3::new(xy * y + zx * z, xy * x + yz * z, zx * x + yz * y) + linear
+}
+
+/// The matrix of the quadric's polynomial.
+pub(super) fn matrix(quadric: &Quadric) -> DMat3 {
+    let (squares, DVec3 { x: yz, y: zx, z: xy }) = (quadric.squares.as_dvec3(), quadric.products.as_dvec3() * 0.5);
+    DMat3::from_cols(DVec3::new(squares.x, xy, zx), DVec3::new(xy, squares.y, yz), DVec3::new(zx, yz, squares.z))
 }
 
 /// Surface parameters of a quadric; see [`SurfacePoint::uv`].

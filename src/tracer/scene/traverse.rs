@@ -6,7 +6,7 @@ use std::cell::RefCell;
 
 use wide::f32x8;
 
-use super::instance::{AnyQuadric, Object};
+use super::instance::{Object, closest_accepted_hit, closest_hit8};
 use super::two_level::Scene;
 use super::world::Placement;
 use crate::geom::lanes::{gt8, le8};
@@ -198,7 +198,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let farthest = if !ANY && interval.exit > best.t { best.t } else { f32::INFINITY };
         let hit = match object {
             Object::Mesh(tree) => trace(tree, &ray, farthest, &filter),
-            Object::Quadric(quadric) => quadric_hit(quadric, ray, &filter),
+            Object::Quadrics(quadrics) => closest_accepted_hit(quadrics, &ray, &filter),
         };
         if ANY {
             if hit.mask {
@@ -211,19 +211,6 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             *best = hit;
         }
     }
-}
-
-/// The closest hit of a quadric that counts.
-#[inline(always)]
-fn quadric_hit<F: Filter>(quadric: &dyn AnyQuadric, mut ray: Ray<f32>, filter: &F) -> Hit<f32> {
-    let hit = quadric.closest_hit(&ray);
-    if F::ALL || !hit.mask || filter.accepts(&ray, &hit) {
-        return hit;
-    }
-    // A line meets a quadric twice at most.
-    ray.t_min = hit.t.next_up();
-    let second = quadric.closest_hit(&ray);
-    if second.mask && filter.accepts(&ray, &second) { second } else { Hit::MISS }
 }
 
 /// Which instances and which hits count.
@@ -335,7 +322,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
             let farthest = if ANY { infinite } else { gt8(interval.exit, best).select(best, infinite) };
             let hit = match object {
                 Object::Mesh(tree) => tree.trace_packet::<ANY>(&ray, farthest, self.lower, self.counter),
-                Object::Quadric(quadric) => quadric.closest_hit8(&ray),
+                Object::Quadrics(quadrics) => closest_hit8(quadrics, &ray),
             };
             if ANY {
                 self.hits.end_in(hit.mask);

@@ -3,7 +3,8 @@
 use glam::Affine3;
 use wide::{f32x8, u32x8};
 
-use super::instance::{AnyQuadric, Object, PreparedInstance};
+use super::faces::{Face, PreparedDisc};
+use super::instance::{AnyQuadric, Object, PreparedInstance, closest_hit};
 use super::world::{Geometry, Placement, World};
 use super::world_box::world_box;
 use crate::geom::{Aabb, Candidate, Hit, Quadric, Ray, Triangle};
@@ -19,7 +20,7 @@ use crate::tracer::meshes::Mesh;
 /// A [`World`] prepared for tracing. Its triangles are intersected by the kernel `K`.
 ///
 /// Primitive numbers of hits count the primitives of all geometries in order: the triangles of a mesh in file order, a
-/// quadric as one. The instance number is the index of the [`Placement`]. Single rays and packets give identical hits.
+/// quadric as one, the faces of other surfaces. The instance number is the index of the [`Placement`]. Single rays and packets give identical hits.
 ///
 /// Instances share their geometry. One instance takes about 275 bytes, including its placement and its share of the
 /// tree.
@@ -41,7 +42,7 @@ pub struct Scene<K: Kernel> {
 struct Prepared {
     /// Number of its first primitive.
     first_primitive: u32,
-    /// Index among the meshes, or among the quadrics.
+    /// Index among the meshes, or of its first quadric.
     of_its_kind: u32,
 }
 
@@ -72,6 +73,13 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
                 Geometry::Quadric(quadric) => {
                     quadrics.push(prepare(quadric));
                     quadrics.len() - 1
+                }
+                Geometry::Faces(faces) => {
+                    quadrics.extend(faces.iter().map(|face| match face {
+                        Face::Quadric(quadric) => prepare(quadric),
+                        Face::Disc(disc) => Box::new(PreparedDisc { square: prepare(&disc.square()), disc: *disc }),
+                    }));
+                    quadrics.len() - faces.len()
                 }
             };
             prepared.push(Prepared { first_primitive, of_its_kind: of_its_kind as u32 });
@@ -116,6 +124,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
                 + match geometry {
                     Geometry::Mesh(mesh) => mesh.bytes(),
                     Geometry::Quadric(_) => 0,
+                    Geometry::Faces(faces) => size_of_val(&faces[..]),
                 }
         };
         self.world.geometries().iter().map(geometry).sum::<usize>()
@@ -137,7 +146,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             let ray = instance.ray_to_object(ray);
             let hit = match object {
                 Object::Mesh(tree) => tree.closest_hit_brute_force(&ray),
-                Object::Quadric(quadric) => quadric.closest_hit(&ray),
+                Object::Quadrics(quadrics) => closest_hit(quadrics, &ray),
             };
             let hit = self.hit_in_world(hit, number, interval);
             if hit.is_closer_than(&best) {
@@ -154,7 +163,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         let of_its_kind = self.prepared[instance.geometry as usize].of_its_kind as usize;
         let object = match &self.world.geometries()[instance.geometry as usize] {
             Geometry::Mesh(_) => Object::Mesh(&self.trees[of_its_kind]),
-            Geometry::Quadric(_) => Object::Quadric(&*self.quadrics[of_its_kind]),
+            Geometry::Quadric(_) => Object::Quadrics(&self.quadrics[of_its_kind..=of_its_kind]),
+            Geometry::Faces(faces) => Object::Quadrics(&self.quadrics[of_its_kind..of_its_kind + faces.len()]),
         };
         (instance, object)
     }

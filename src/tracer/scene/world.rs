@@ -2,6 +2,7 @@
 
 use glam::{Affine2, Affine3, BVec3, Vec2, Vec3};
 
+use super::faces::Face;
 use crate::geom::{Aabb, Quadric};
 use crate::kernels::instance::Instance;
 use crate::tracer::meshes::Mesh;
@@ -14,14 +15,17 @@ pub enum Geometry {
     Mesh(Mesh),
     /// One quadric.
     Quadric(Quadric),
+    /// Several faces, such as the side and the caps of a cylinder.
+    Faces(Vec<Face>),
 }
 
 impl Geometry {
-    /// Number of primitives: the triangles of a mesh, or 1 for a quadric.
+    /// Number of primitives: triangles of a mesh, or faces, or 1 for a quadric.
     pub fn primitives(&self) -> usize {
         match self {
             Self::Mesh(mesh) => mesh.len(),
             Self::Quadric(_) => 1,
+            Self::Faces(faces) => faces.len(),
         }
     }
 
@@ -30,15 +34,39 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.bounds(),
             Self::Quadric(quadric) => quadric.bounds(),
+            Self::Faces(faces) => faces.iter().fold(Aabb::EMPTY, |bounds, face| bounds.union(&face.quadric().bounds())),
         }
     }
 
     /// Whether [`World::new`] accepts the geometry. Every mesh is valid; for quadrics see [`WorldError::BadQuadric`].
     pub(crate) fn is_valid(&self) -> bool {
-        let Self::Quadric(quadric) = self else { return true };
-        let Aabb { lo, hi } = quadric.bounds();
-        let varies = (quadric.squares, quadric.products, quadric.linear) != (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-        varies && lo.is_finite() && hi.is_finite()
+        let is_valid = |quadric: &Quadric| {
+            let Aabb { lo, hi } = quadric.bounds();
+            let varies = (quadric.squares, quadric.products, quadric.linear) != (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+            varies && lo.is_finite() && hi.is_finite()
+        };
+        match self {
+            Self::Mesh(_) => true,
+            Self::Quadric(quadric) => is_valid(quadric),
+            Self::Faces(faces) => {
+                !faces.is_empty() && faces.iter().all(|face| face.is_valid() && is_valid(&face.quadric()))
+            }
+        }
+    }
+
+    /// A face as a quadric; see [`Face::quadric`]. None for a mesh.
+    pub(super) fn quadric(&self, face: u32) -> Option<Quadric> {
+        match self {
+            Self::Mesh(_) => None,
+            Self::Quadric(quadric) => Some(*quadric),
+            Self::Faces(faces) => Some(faces[face as usize].quadric()),
+        }
+    }
+}
+
+impl From<Quadric> for Geometry {
+    fn from(quadric: Quadric) -> Self {
+        Self::Quadric(quadric)
     }
 }
 
@@ -80,7 +108,7 @@ impl Placement {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Paint {
-    /// The colours of the mesh. A quadric is white.
+    /// The colours of the mesh. Quadrics and discs are white.
     Own,
     /// One colour: linear red, green and blue from 0 to 1.
     Plain(Vec3),
@@ -133,9 +161,9 @@ pub enum WorldError {
     #[error("instance {0} refers to a geometry that does not exist")]
     MissingGeometry(usize),
     /// A quadric needs finite coefficients, and at least one besides the constant must not be zero. Its clip box must
-    /// be finite and not empty.
+    /// be finite and not empty. A disc needs a positive radius. There must be at least one face.
     #[error(
-        "geometry {0} is a quadric that no ray hits: its coefficients are not finite or all zero, \
+        "geometry {0} has a face that no ray hits: its coefficients are not finite or all zero, \
          or its box is empty or infinite"
     )]
     BadQuadric(usize),
@@ -204,9 +232,10 @@ impl World {
         self.geometries.iter().map(|geometry| if let Geometry::Mesh(mesh) = geometry { mesh.len() } else { 0 }).sum()
     }
 
-    /// Number of geometries that are quadrics.
+    /// Number of quadrics and discs of all geometries.
     pub fn quadrics(&self) -> usize {
-        self.geometries.iter().filter(|geometry| matches!(geometry, Geometry::Quadric(_))).count()
+        let faces = |geometry: &Geometry| if matches!(geometry, Geometry::Mesh(_)) { 0 } else { geometry.primitives() };
+        self.geometries.iter().map(faces).sum()
     }
 
     /// A box around all instances. It may be off by rounding, so it serves only to place a camera.

@@ -78,8 +78,8 @@ impl<'a> WorldBuilder<'a> {
 
     pub(super) fn add_quadric(&mut self, quadric: &'a Spanned<QuadricTable>) -> Result<(), SceneError> {
         let (span, quadric) = (quadric.span(), quadric.get_ref());
-        let shape = quadric.quadric().map_err(|message| SpanError::new(span, message))?;
-        self.add_geometry(&quadric.name, Geometry::Quadric(shape))
+        let geometry = quadric.geometry().map_err(|message| SpanError::new(span, message))?;
+        self.add_geometry(&quadric.name, geometry)
     }
 
     fn add_geometry(&mut self, name: &'a Spanned<String>, geometry: Geometry) -> Result<(), SceneError> {

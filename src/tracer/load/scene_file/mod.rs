@@ -37,8 +37,10 @@ const MAX_BYTES: u64 = 1 << 24;
 ///   triangles, as in `terrain:1e6`; the default is 100,000.
 /// - `[[quadric]]` has `name`, and one of `sphere`, `ellipsoid`, `paraboloid`, `elliptic_paraboloid`,
 ///   `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`, `plane`. This is a table with the
-///   arguments of the [constructor](crate::geom::Quadric) of the same name. Cones and cylinders have no caps. Instead,
-///   a quadric can have `coefficients`, ten numbers for x², y², z², yz, zx, xy, x, y, z and 1, and `clip = { lo, hi }`.
+///   arguments of the [constructor](crate::geom::Quadric) of the same name. With `closed = true`, cones, cylinders and
+///   paraboloids [end in discs](crate::tracer::Geometry::closed_cylinder); without it, they are open. Or it has `disc`
+///   with a `radius`. Or it has `coefficients`, ten numbers for x², y², z², yz, zx, xy, x, y, z and 1, and
+///   `clip = { lo, hi }`.
 /// - `[[instance]]` places a geometry. It has `of`, the name of a mesh or quadric. Optional: `transform`, and either
 ///   `color` or `checker`. The default is the colours of the mesh, or white for a quadric.
 /// - `[[scatter]]` places many instances. It has `of` and `count`. Optional: `seed`, `on`, `area = { lo, hi }`,
