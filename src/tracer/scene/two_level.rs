@@ -20,7 +20,8 @@ use crate::tracer::meshes::Mesh;
 /// A [`World`] prepared for tracing. Its triangles are intersected by the kernel `K`.
 ///
 /// Primitive numbers of hits count the primitives of all geometries in order: the triangles of a mesh in file order, a
-/// quadric as one, the faces of other surfaces. The instance number is the index of the [`Placement`]. Single rays and packets give identical hits.
+/// quadric as one, and each face of [`Geometry::Faces`]. The instance number is the index of the [`Placement`]. Single
+/// rays and packets give identical hits.
 ///
 /// Instances share their geometry. One instance takes about 275 bytes, including its placement and its share of the
 /// tree.

@@ -1,5 +1,5 @@
-//! The `[[quadric]]` table of a scene file: a named kind of quadric, open or closed by discs, or a disc, or coefficients
-//! and a clip box.
+//! The `[[quadric]]` table of a scene file: a named kind of quadric, open or closed by discs, or a disc, or
+//! coefficients and a clip box.
 
 use glam::{Vec2, Vec3};
 use serde::Deserialize;
