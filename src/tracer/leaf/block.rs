@@ -9,6 +9,7 @@ use crate::geom::{Candidate, Hit, Mask8, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::walk::Counter;
 use crate::tracer::walk::block::{Block, Outcome, PACKETS};
+use crate::tracer::walk::filter::Filter;
 use crate::tracer::walk::packet::PacketRays;
 use crate::tracer::walk::rays::{ANY_HIT, dir_is_neg};
 
@@ -22,11 +23,12 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         &self,
         rays: &[Ray<f32>],
         hits: &mut [Hit<f32>],
+        filter: &impl Filter,
         scratch: &mut TraversalScratch,
         counter: &mut T,
     ) -> Outcome {
         if ANY {
-            let (outcome, masks) = self.any_hit_block(rays, scratch, counter);
+            let (outcome, masks) = self.any_hit_block(rays, filter, scratch, counter);
             for (hits, mask) in hits.chunks_mut(8).zip(masks) {
                 let bits = mask.bits();
                 for (lane, hit) in hits.iter_mut().enumerate() {
@@ -35,7 +37,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
             }
             return outcome;
         }
-        let outcome = self.closest_hit_block(rays, hits, scratch, counter);
+        let outcome = self.closest_hit_block(rays, hits, filter, scratch, counter);
         if outcome != Outcome::Traced {
             hits.fill(Hit::MISS);
         }
@@ -47,6 +49,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         &self,
         rays: &[Ray<f32>],
         hits: &mut [Hit<f32>],
+        filter: &impl Filter,
         TraversalScratch { block: storage, block_rays: block, .. }: &mut TraversalScratch,
         counter: &mut T,
     ) -> Outcome {
@@ -54,7 +57,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         if !block.bound(extremes, self.bvh.item_size) {
             return Outcome::Incoherent;
         }
-        let mut search = BlockSearch::new(self, block);
+        let mut search = BlockSearch::new(self, block, filter);
         let mut best = [Hit::<f32x8>::miss(); PACKETS];
         let mut any = false;
         let ended = self.bvh.walk_block::<false, T>(block, storage, counter, |leaf, packets, block, counter| {
@@ -82,11 +85,12 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     fn any_hit_block<T: Counter>(
         &self,
         rays: &[Ray<f32>],
+        filter: &impl Filter,
         TraversalScratch { block: storage, block_rays: block, occluder, .. }: &mut TraversalScratch,
         counter: &mut T,
     ) -> (Outcome, [Mask8; PACKETS]) {
         let extremes = block.take(rays);
-        let mut search = BlockSearch::new(self, block);
+        let mut search = BlockSearch::new(self, block, filter);
         let mut found = [Mask8::none(); PACKETS];
         let mut keep = |packet: usize, candidate: &Candidate<f32x8>, limit: f32x8| {
             found[packet] = found[packet] | candidate.mask();
@@ -119,20 +123,22 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
 
 /// The packets of a block on their way through a mesh. Per-ray data is computed at first use: many blocks reach no
 /// triangle.
-struct BlockSearch<'a, K: Kernel> {
+struct BlockSearch<'a, K: Kernel, F> {
     tree: &'a MeshTree<K>,
+    filter: &'a F,
     setups: [Option<Setup<K, f32x8>>; PACKETS],
     rays: [Option<PacketRays>; PACKETS],
     /// The largest useful `t` of each ray.
     limits: [f32x8; PACKETS],
 }
 
-impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
+impl<'a, K: Kernel<Shape = Triangle>, F: Filter> BlockSearch<'a, K, F> {
     #[inline(always)]
-    fn new(tree: &'a MeshTree<K>, block: &Block) -> Self {
+    fn new(tree: &'a MeshTree<K>, block: &Block, filter: &'a F) -> Self {
         let [a, b, c, d, e, f, g, h] = &block.packets;
         Self {
             tree,
+            filter,
             // Written one by one: `[None; 8]` would copy the whole array.
             setups: [None, None, None, None, None, None, None, None],
             rays: [None, None, None, None, None, None, None, None],
@@ -175,7 +181,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
                         continue;
                     }
                 }
-                if let Some(candidate) = self.tree.test_packet(leaf, slot, &boxes, ray, setup, counter) {
+                if let Some(candidate) = self.tree.test_packet(leaf, slot, &boxes, ray, setup, self.filter, counter) {
                     limit = keep(packet, slot, &candidate, limit);
                     any = true;
                 }
@@ -201,7 +207,7 @@ impl<'a, K: Kernel<Shape = Triangle>> BlockSearch<'a, K> {
         for packet in 0..PACKETS {
             let ray = &block.packets[packet];
             let setup = self.setups[packet].get_or_insert_with(|| Setup::<K, f32x8>::of(ray));
-            if let Some(candidate) = self.tree.test_packet(leaf, slot, &boxes, ray, setup, counter) {
+            if let Some(candidate) = self.tree.test_packet(leaf, slot, &boxes, ray, setup, self.filter, counter) {
                 self.limits[packet] = keep(packet, &candidate, self.limits[packet]);
                 any = true;
             }

@@ -10,6 +10,7 @@ use crate::kernels::{Intersect, Kernel, Shape};
 use crate::tracer::bvh::{Boxes, Bvh, Leaf};
 use crate::tracer::meshes::Mesh;
 use crate::tracer::walk::Counter;
+use crate::tracer::walk::filter::{Filter, accepted};
 
 /// A mesh, prepared for the kernel `K`.
 #[derive(Debug)]
@@ -84,9 +85,10 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         box_rule::apply8(hit, &boxes(), ray.origin, &slabs()).of_primitives(u32x8::new(numbers.0))
     }
 
-    /// The hits of a packet with one triangle, by the box rule; possibly in no lane. `None` if the kernel reports no
-    /// hit. `boxes` are the leaf's boxes.
+    /// The hits of a packet with one triangle that count, by the box rule; possibly in no lane. `None` if the kernel
+    /// reports no hit. `boxes` are the leaf's boxes.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "eight rays, one triangle, and what they need")]
     pub(super) fn test_packet(
         &self,
         leaf: usize,
@@ -94,13 +96,14 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         boxes: &Boxes,
         ray: &Ray<f32x8>,
         setup: &Setup<K, f32x8>,
+        filter: &impl Filter,
         counter: &mut impl Counter,
     ) -> Option<Candidate<f32x8>> {
         let LeafTriangles { prepared, numbers } = &self.leaves[leaf];
         let hit = K::candidate_in_lane(prepared, slot & 7, ray, &setup.kernel);
         counter.test(|| lanes_in_box(boxes, slot, ray, &setup.slabs));
         let apply = || apply_box_rule(hit, &boxes.lane(slot), numbers.0[slot & 7], ray, &setup.slabs);
-        hit.mask().any().then(apply)
+        hit.mask().any().then(|| accepted(apply(), ray, filter))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::geom::{Hit, Mask8, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::bvh::Child;
 use crate::tracer::walk::Counter;
-use crate::tracer::walk::filter::Everything;
+use crate::tracer::walk::filter::Filter;
 use crate::tracer::walk::packet::{PacketHits, PacketSearch};
 use crate::tracer::walk::rays::hit_in_lane;
 use crate::tracer::walk::single;
@@ -21,6 +21,7 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         &self,
         ray: &Ray<f32x8>,
         farthest: f32x8,
+        filter: &impl Filter,
         TraversalScratch { single, packet, .. }: &mut TraversalScratch,
         counter: &mut impl Counter,
     ) -> Hit<f32x8> {
@@ -28,23 +29,29 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
         limit.t = farthest;
         let setup = Setup::<K, f32x8>::of(ray);
         let hits = PacketHits::<ANY>::new(limit, setup.slabs.t_max);
-        let mut search = MeshSearch { tree: self, ray, setup, hits, single, counter };
+        let mut search = MeshSearch { tree: self, ray, setup, hits, filter, single, counter };
         self.bvh.walk_packet::<ANY>(ray, &setup.slabs, packet, &mut search);
         search.hits.into_hits()
     }
 }
 
 /// Eight rays on their way through a mesh.
-struct MeshSearch<'a, K: Kernel, T, const ANY: bool> {
+struct MeshSearch<'a, K: Kernel, F, T, const ANY: bool> {
     tree: &'a MeshTree<K>,
     ray: &'a Ray<f32x8>,
     setup: Setup<K, f32x8>,
     hits: PacketHits<ANY>,
+    filter: &'a F,
     single: &'a mut StackStorage<single::StackEntry>,
     counter: &'a mut T,
 }
 
-impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for MeshSearch<'_, K, T, ANY> {
+impl<K, F, T, const ANY: bool> PacketSearch for MeshSearch<'_, K, F, T, ANY>
+where
+    K: Kernel<Shape = Triangle>,
+    F: Filter,
+    T: Counter,
+{
     #[inline(always)]
     fn limit(&self) -> f32x8 {
         self.hits.limit
@@ -60,7 +67,8 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
         self.counter.leaf();
         let boxes = self.tree.boxes(leaf);
         for slot in 0..self.tree.leaves[leaf].numbers.len() {
-            if let Some(candidate) = self.tree.test_packet(leaf, slot, &boxes, self.ray, &self.setup, self.counter) {
+            let Self { tree, ray, setup, filter, counter, .. } = self;
+            if let Some(candidate) = tree.test_packet(leaf, slot, &boxes, ray, setup, *filter, *counter) {
                 self.hits.keep(&candidate);
             }
         }
@@ -70,7 +78,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
     fn trace_single(&mut self, child: Child, lane: usize) {
         let ray = self.ray.lane(lane);
         let before = if ANY { Hit::MISS } else { self.hits.best.lane(lane) };
-        let hit = self.tree.trace_single_below::<ANY, _>(child, &ray, before, &Everything, self.single, self.counter);
+        let hit = self.tree.trace_single_below::<ANY, _>(child, &ray, before, self.filter, self.single, self.counter);
         if ANY {
             if hit.mask {
                 self.hits.end_in_lane(lane);

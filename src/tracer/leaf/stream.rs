@@ -10,7 +10,7 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::aabb::InverseDirection;
 use crate::kernels::{Intersect, Kernel};
 use crate::tracer::walk::Counter;
-use crate::tracer::walk::filter::Everything;
+use crate::tracer::walk::filter::{Filter, accepted, closest_accepted};
 use crate::tracer::walk::rays::{ANY_HIT, packet};
 use crate::tracer::walk::stream::{self, MIN_WIDE_RAYS, StreamRay};
 
@@ -22,12 +22,14 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// Traces the rays with these numbers; their directions must be in `octant`, and their hits must be misses. Writes
     /// their hits, and changes the order of the numbers.
     #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "a stream, and what it needs")]
     pub(crate) fn trace_stream<const ANY: bool, T: Counter>(
         &self,
         rays: &[Ray<f32>],
         octant: usize,
         numbers: &mut [u16],
         hits: &mut [Hit<f32>],
+        filter: &impl Filter,
         scratch: &mut TraversalScratch,
         counter: &mut T,
     ) {
@@ -42,22 +44,28 @@ impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
                 numbers[len] = number;
                 len += 1;
             } else {
-                hits[usize::from(number)] = self.trace_single::<ANY>(ray, f32::INFINITY, &Everything, scratch, counter);
+                hits[usize::from(number)] = self.trace_single::<ANY>(ray, f32::INFINITY, filter, scratch, counter);
             }
         }
-        let mut search = StreamSearch::<K, ANY> { tree: self, rays, hits };
+        let mut search = StreamSearch::<K, _, ANY> { tree: self, rays, hits, filter };
         self.bvh.walk_stream::<ANY, T>(octant, &numbers[..len], t_min, &mut scratch.stream, counter, &mut search);
     }
 }
 
 /// The rays of a stream on their way through a mesh.
-struct StreamSearch<'a, K: Kernel, const ANY: bool> {
+struct StreamSearch<'a, K: Kernel, F, const ANY: bool> {
     tree: &'a MeshTree<K>,
     rays: &'a [Ray<f32>],
     hits: &'a mut [Hit<f32>],
+    filter: &'a F,
 }
 
-impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> stream::Leaves<T> for StreamSearch<'_, K, ANY> {
+impl<K, F, T, const ANY: bool> stream::Leaves<T> for StreamSearch<'_, K, F, ANY>
+where
+    K: Kernel<Shape = Triangle>,
+    F: Filter,
+    T: Counter,
+{
     #[inline(always)]
     fn test(&mut self, leaf: usize, numbers: &[u16], rays: &mut [StreamRay; stream::RAYS], counter: &mut T) {
         for numbers in numbers.chunks(8) {
@@ -72,7 +80,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> stream::Leaves<T>
     }
 }
 
-impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
+impl<K: Kernel<Shape = Triangle>, F: Filter, const ANY: bool> StreamSearch<'_, K, F, ANY> {
     /// Tests one ray against all triangles of a leaf.
     #[inline(always)]
     fn test_one<T: Counter>(
@@ -91,7 +99,10 @@ impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
         let slabs = || InverseDirection::<f32x8>::of(&ray);
         let candidates = self.tree.test_all_triangles(leaf, &ray, &setup, counter, slabs);
         if candidates.mask().any() {
-            self.keep(number, candidates.closest(), ready);
+            let closest = closest_accepted(&candidates, || ray.lane(0), self.filter);
+            if F::ALL || closest.mask {
+                self.keep(number, closest, ready);
+            }
         }
     }
 
@@ -114,7 +125,8 @@ impl<K: Kernel<Shape = Triangle>, const ANY: bool> StreamSearch<'_, K, ANY> {
             if hit.mask().any() {
                 let slabs = slabs.get_or_insert_with(|| InverseDirection::<f32x8>::of(&ray));
                 let bounds = self.tree.boxes(leaf).lane(slot & 7);
-                best.keep_closer(&apply_box_rule(hit, &bounds, triangles.0[slot & 7], &ray, slabs));
+                let hit = apply_box_rule(hit, &bounds, triangles.0[slot & 7], &ray, slabs);
+                best.keep_closer(&accepted(hit, &ray, self.filter));
             }
         }
         let mut hit = best.mask.bits();

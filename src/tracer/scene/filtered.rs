@@ -2,19 +2,16 @@
 
 use wide::f32x8;
 
-use super::traverse::{Scratch, Visible, with_scratch};
+use super::traverse::{Visible, with_scratch};
 use super::two_level::Scene;
-use crate::geom::{Candidate, Hit, Mask8, Ray, Triangle};
+use crate::geom::{Candidate, Mask8, Ray, Triangle};
 use crate::kernels::{Intersect, Kernel};
 use crate::tracer::walk::filter::{Everything, Filter};
 
 /// A scene in which only some instances and hits count; see [`Scene::with_mask`] and [`Scene::with_filter`].
 ///
 /// It can be traced like the scene. The hits are those of a scene without all that does not count, and they are the
-/// same for every mode. Rays are traced one at a time: coherent rays take longer than with [`Mode::Auto`] in the whole
-/// scene.
-///
-/// [`Mode::Auto`]: crate::tracer::Mode::Auto
+/// same for every mode. With a filter, rays through instances are traced one at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Filtered<'a, K: Kernel, F = Everything> {
     pub(super) scene: &'a Scene<K>,
@@ -81,6 +78,10 @@ impl<'a, K: Kernel<Shape = Triangle>, F> Filtered<'a, K, F> {
         self.scene
     }
 
+    pub(crate) fn visible(&self) -> &Visible<F> {
+        &self.visible
+    }
+
     /// With this filter in place of the present one; see [`Scene::with_filter`].
     pub fn with_filter<G: Filter>(self, filter: G) -> Filtered<'a, K, G> {
         let Self { scene, visible: Visible { mask, .. } } = self;
@@ -95,32 +96,17 @@ impl<'a, K: Kernel<Shape = Triangle>, F> Filtered<'a, K, F> {
     }
 }
 
-impl<K: Kernel<Shape = Triangle>, F: Filter> Filtered<'_, K, F> {
-    /// The closest hit; with `ANY`, [`ANY_HIT`](crate::tracer::walk::rays::ANY_HIT) or a miss.
-    pub(crate) fn trace_one<const ANY: bool>(&self, ray: &Ray<f32>, scalar: bool, scratch: &mut Scratch) -> Hit<f32> {
-        if scalar {
-            self.scene.trace_scalar::<ANY>(ray, &self.visible, scratch, &mut ())
-        } else {
-            self.scene.trace_single::<ANY>(ray, &self.visible, scratch, &mut ())
-        }
-    }
-
-    fn eight<const ANY: bool>(&self, ray: &Ray<f32x8>, scratch: &mut Scratch) -> Hit<f32x8> {
-        Hit::from_lanes(&std::array::from_fn(|lane| self.trace_one::<ANY>(&ray.lane(lane), false, scratch)))
-    }
-}
-
 impl<K: Kernel<Shape = Triangle>, F: Filter> Intersect<f32> for Filtered<'_, K, F> {
     type Setup = ();
 
     fn setup(_: &Ray<f32>) {}
 
     fn candidate(&self, ray: &Ray<f32>, (): &()) -> Candidate<f32> {
-        with_scratch(|scratch| self.trace_one::<false>(ray, false, scratch)).into()
+        with_scratch(|scratch| self.scene.trace_single::<false>(ray, &self.visible, scratch, &mut ())).into()
     }
 
     fn any_hit(&self, ray: &Ray<f32>, (): &()) -> bool {
-        with_scratch(|scratch| self.trace_one::<true>(ray, false, scratch)).mask
+        with_scratch(|scratch| self.scene.trace_single::<true>(ray, &self.visible, scratch, &mut ())).mask
     }
 }
 
@@ -130,10 +116,10 @@ impl<K: Kernel<Shape = Triangle>, F: Filter> Intersect<f32x8> for Filtered<'_, K
     fn setup(_: &Ray<f32x8>) {}
 
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
-        with_scratch(|scratch| self.eight::<false>(ray, scratch)).into()
+        with_scratch(|scratch| self.scene.trace_packet::<false>(ray, &self.visible, scratch, &mut ())).into()
     }
 
     fn any_hit(&self, ray: &Ray<f32x8>, (): &()) -> Mask8 {
-        with_scratch(|scratch| self.eight::<true>(ray, scratch)).mask
+        with_scratch(|scratch| self.scene.trace_packet::<true>(ray, &self.visible, scratch, &mut ())).mask
     }
 }

@@ -111,26 +111,39 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub(crate) fn trace_packet<const ANY: bool>(
         &self,
         ray: &Ray<f32x8>,
+        visible: &Visible<impl Filter>,
         scratch: &mut Scratch,
         counter: &mut impl Counter,
     ) -> Hit<f32x8> {
-        match self.only_mesh() {
-            Some(tree) => tree.trace_packet::<ANY>(ray, f32x8::splat(f32::INFINITY), &mut scratch.lower, counter),
-            None => self.trace_packet_through_instances::<ANY>(ray, scratch, counter),
+        let Some(tree) = self.only_mesh() else {
+            return self.trace_packet_through_instances::<ANY, _>(ray, visible, scratch, counter);
+        };
+        if !visible.shows(&self.world().instances()[0]) {
+            return Hit::<f32x8>::miss();
         }
+        let infinite = f32x8::splat(f32::INFINITY);
+        tree.trace_packet::<ANY>(ray, infinite, &visible.filter, &mut scratch.lower, counter)
     }
 
     #[inline(never)]
-    fn trace_packet_through_instances<const ANY: bool>(
+    fn trace_packet_through_instances<const ANY: bool, F: Filter>(
         &self,
         ray: &Ray<f32x8>,
-        Scratch { upper, lower }: &mut Scratch,
+        visible: &Visible<F>,
+        scratch: &mut Scratch,
         counter: &mut impl Counter,
     ) -> Hit<f32x8> {
+        if !F::ALL {
+            // A filter is asked about one ray, before its hit is clamped to the instance's box.
+            let mut trace = |lane| self.trace_single::<ANY>(&ray.lane(lane), visible, scratch, counter);
+            return Hit::from_lanes(&std::array::from_fn(|lane| trace(lane)));
+        }
+        let Scratch { upper, lower } = scratch;
+        let visible = Visible { mask: visible.mask, filter: Everything };
         let setup = InverseDirection::<f32x8>::of(ray);
         let TraversalScratch { single, packet, .. } = upper;
         let hits = PacketHits::<ANY>::new(Hit::<f32x8>::miss(), setup.t_max);
-        let mut search = InstanceSearch { scene: self, ray, setup, hits, single, lower, counter };
+        let mut search = InstanceSearch { scene: self, ray, setup, visible, hits, single, lower, counter };
         self.bvh.walk_packet::<ANY>(ray, &setup, packet, &mut search);
         search.hits.into_hits()
     }
@@ -140,11 +153,17 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         self.only_mesh().is_some()
     }
 
+    /// Whether any instance counts.
+    pub(crate) fn shows_any(&self, visible: &Visible<impl Filter>) -> bool {
+        self.world().instances().iter().any(|instance| visible.shows(instance))
+    }
+
     /// [`MeshTree::trace_block`]; [`Outcome::Incoherent`] with misses if the scene is not one untransformed mesh.
     pub(crate) fn trace_block<const ANY: bool>(
         &self,
         rays: &[Ray<f32>],
         hits: &mut [Hit<f32>],
+        filter: &impl Filter,
         scratch: &mut Scratch,
         counter: &mut impl Counter,
     ) -> Outcome {
@@ -152,21 +171,23 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             hits.fill(Hit::MISS);
             return Outcome::Incoherent;
         };
-        tree.trace_block::<ANY, _>(rays, hits, &mut scratch.lower, counter)
+        tree.trace_block::<ANY, _>(rays, hits, filter, &mut scratch.lower, counter)
     }
 
     /// [`MeshTree::trace_stream`]; does nothing if the scene is not one untransformed mesh.
+    #[expect(clippy::too_many_arguments, reason = "a stream, and what it needs")]
     pub(crate) fn trace_stream<const ANY: bool>(
         &self,
         rays: &[Ray<f32>],
         octant: usize,
         numbers: &mut [u16],
         hits: &mut [Hit<f32>],
+        filter: &impl Filter,
         scratch: &mut Scratch,
         counter: &mut impl Counter,
     ) {
         if let Some(tree) = self.only_mesh() {
-            tree.trace_stream::<ANY, _>(rays, octant, numbers, hits, &mut scratch.lower, counter);
+            tree.trace_stream::<ANY, _>(rays, octant, numbers, hits, filter, &mut scratch.lower, counter);
         }
     }
 
@@ -218,7 +239,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
 pub(crate) struct Visible<F> {
     /// An instance counts if its mask has one of these bits.
     pub(super) mask: u32,
-    pub(super) filter: F,
+    pub(crate) filter: F,
 }
 
 impl Visible<Everything> {
@@ -288,6 +309,7 @@ struct InstanceSearch<'a, K: Kernel, T, const ANY: bool> {
     scene: &'a Scene<K>,
     ray: &'a Ray<f32x8>,
     setup: InverseDirection<f32x8>,
+    visible: Visible<Everything>,
     hits: PacketHits<ANY>,
     single: &'a mut StackStorage<single::StackEntry>,
     lower: &'a mut TraversalScratch,
@@ -309,6 +331,9 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
     fn test_leaf(&mut self, leaf: usize, active: Mask8) {
         self.counter.leaf();
         for number in self.scene.bvh.leaves[leaf].numbers() {
+            if !self.visible.shows(&self.scene.world().instances()[number as usize]) {
+                continue;
+            }
             let (instance, object) = self.scene.instance(number);
             let (inside, interval) = TInterval::<f32x8>::of(&instance.bounds.into(), self.ray.origin, &self.setup);
             let lanes = active & inside & le8(interval.entry, self.hits.limit);
@@ -321,7 +346,7 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
             let best = self.hits.best.t;
             let farthest = if ANY { infinite } else { gt8(interval.exit, best).select(best, infinite) };
             let hit = match object {
-                Object::Mesh(tree) => tree.trace_packet::<ANY>(&ray, farthest, self.lower, self.counter),
+                Object::Mesh(tree) => tree.trace_packet::<ANY>(&ray, farthest, &Everything, self.lower, self.counter),
                 Object::Quadrics(quadrics) => closest_hit8(quadrics, &ray),
             };
             if ANY {
@@ -336,9 +361,8 @@ impl<K: Kernel<Shape = Triangle>, T: Counter, const ANY: bool> PacketSearch for 
     fn trace_single(&mut self, child: Child, lane: usize) {
         let ray = self.ray.lane(lane);
         let before = if ANY { Hit::MISS } else { self.hits.best.lane(lane) };
-        let Self { scene, single, lower, counter, .. } = self;
-        let everything = &Visible::EVERYTHING;
-        let hit = scene.trace_single_below::<ANY, _>(child, &ray, before, everything, single, lower, *counter);
+        let Self { scene, visible, single, lower, counter, .. } = self;
+        let hit = scene.trace_single_below::<ANY, _>(child, &ray, before, visible, single, lower, *counter);
         if !ANY {
             self.hits.keep(&hit_in_lane(lane, &hit));
         } else if hit.mask {
@@ -376,10 +400,10 @@ impl<K: Kernel<Shape = Triangle>> Intersect<f32x8> for Scene<K> {
     fn setup(_: &Ray<f32x8>) {}
 
     fn candidate(&self, ray: &Ray<f32x8>, (): &()) -> Candidate<f32x8> {
-        with_scratch(|scratch| self.trace_packet::<false>(ray, scratch, &mut ())).into()
+        with_scratch(|scratch| self.trace_packet::<false>(ray, &Visible::EVERYTHING, scratch, &mut ())).into()
     }
 
     fn any_hit(&self, ray: &Ray<f32x8>, (): &()) -> Mask8 {
-        with_scratch(|scratch| self.trace_packet::<true>(ray, scratch, &mut ())).mask
+        with_scratch(|scratch| self.trace_packet::<true>(ray, &Visible::EVERYTHING, scratch, &mut ())).mask
     }
 }

@@ -3,6 +3,7 @@
 use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::scene::{Scene, Scratch, Visible};
+use crate::tracer::walk::filter::Filter;
 use crate::tracer::walk::rays::{octant, packet};
 use crate::tracer::walk::{Counter, stream};
 
@@ -66,6 +67,7 @@ impl ByOctant {
     pub(super) fn trace_streams<const ANY: bool, K: Kernel<Shape = Triangle>>(
         &mut self,
         scene: &Scene<K>,
+        filter: &impl Filter,
         rays: &[Ray<f32>],
         hits: &mut [Hit<f32>],
         scratch: &mut Scratch,
@@ -75,7 +77,7 @@ impl ByOctant {
         for (octant, len) in self.lens.into_iter().enumerate() {
             let numbers = rest.split_off_mut(..len).unwrap_or_default();
             if !numbers.is_empty() {
-                scene.trace_stream::<ANY>(rays, octant, numbers, hits, scratch, counter);
+                scene.trace_stream::<ANY>(rays, octant, numbers, hits, filter, scratch, counter);
             }
         }
     }
@@ -84,6 +86,7 @@ impl ByOctant {
     pub(super) fn trace_packets<const ANY: bool, K: Kernel<Shape = Triangle>>(
         &self,
         scene: &Scene<K>,
+        visible: &Visible<impl Filter>,
         rays: &[Ray<f32>],
         hits: &mut [Hit<f32>],
         scratch: &mut Scratch,
@@ -94,12 +97,12 @@ impl ByOctant {
         for numbers in octants.into_iter().flat_map(|numbers| numbers.chunks(8)) {
             if let [number] = numbers {
                 let number = usize::from(*number);
-                hits[number] = scene.trace_single::<ANY>(&rays[number], &Visible::EVERYTHING, scratch, counter);
+                hits[number] = scene.trace_single::<ANY>(&rays[number], visible, scratch, counter);
                 continue;
             }
             let ray = packet(numbers.iter().map(|&number| &rays[usize::from(number)]));
             let mut lanes = [Hit::MISS; 8];
-            scene.trace_packet::<ANY>(&ray, scratch, counter).write(&mut lanes);
+            scene.trace_packet::<ANY>(&ray, visible, scratch, counter).write(&mut lanes);
             for (hit, &number) in lanes.iter().zip(numbers) {
                 hits[usize::from(number)] = *hit;
             }

@@ -48,7 +48,7 @@ mod chunk {
             hits: &mut [Hit<f32>],
             scratch: &mut Scratch,
         ) {
-            super::trace_chunk::<ANY, K>(self, rays, mode, hits, scratch, &mut ());
+            super::trace_chunk::<ANY, K>(self, &Visible::EVERYTHING, rays, mode, hits, scratch, &mut ());
         }
     }
 
@@ -60,9 +60,7 @@ mod chunk {
             hits: &mut [Hit<f32>],
             scratch: &mut Scratch,
         ) {
-            for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = self.trace_one::<ANY>(ray, mode == Mode::Scalar, scratch);
-            }
+            super::trace_chunk::<ANY, K>(self.scene(), self.visible(), rays, mode, hits, scratch, &mut ());
         }
     }
 }
@@ -144,9 +142,9 @@ pub fn traversal_stats<K: Kernel<Shape = Triangle>>(
     for rays in rays.chunks(CHUNK) {
         let hits = &mut hits[..rays.len()];
         if any_hit {
-            trace_chunk::<true, K>(scene, rays, mode, hits, &mut scratch, &mut stats);
+            trace_chunk::<true, K>(scene, &Visible::EVERYTHING, rays, mode, hits, &mut scratch, &mut stats);
         } else {
-            trace_chunk::<false, K>(scene, rays, mode, hits, &mut scratch, &mut stats);
+            trace_chunk::<false, K>(scene, &Visible::EVERYTHING, rays, mode, hits, &mut scratch, &mut stats);
         }
     }
     stats
@@ -155,6 +153,7 @@ pub fn traversal_stats<K: Kernel<Shape = Triangle>>(
 /// Traces at most [`CHUNK`] rays.
 fn trace_chunk<const ANY: bool, K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
+    visible: &Visible<impl Filter>,
     rays: &[Ray<f32>],
     mode: Mode,
     hits: &mut [Hit<f32>],
@@ -164,23 +163,27 @@ fn trace_chunk<const ANY: bool, K: Kernel<Shape = Triangle>>(
     match mode {
         Mode::Scalar => {
             for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = scene.trace_scalar::<ANY>(ray, &Visible::EVERYTHING, scratch, counter);
+                *hit = scene.trace_scalar::<ANY>(ray, visible, scratch, counter);
             }
         }
         Mode::Single => {
             for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = scene.trace_single::<ANY>(ray, &Visible::EVERYTHING, scratch, counter);
+                *hit = scene.trace_single::<ANY>(ray, visible, scratch, counter);
             }
         }
         Mode::Packet | Mode::Auto => {
+            if scene.is_one_mesh() && !scene.shows_any(visible) {
+                return hits.fill(Hit::MISS);
+            }
             let streams = mode == Mode::Auto && scene.is_one_mesh();
             let group = if streams { CHUNK } else { PACKET_GROUP };
             for (hits, rays) in hits.chunks_mut(group).zip(rays.chunks(group)) {
-                let mut incoherent = trace_blocks::<ANY, K>(scene, rays, hits, scratch, counter).by_octant();
+                let mut incoherent =
+                    trace_blocks::<ANY, K>(scene, &visible.filter, rays, hits, scratch, counter).by_octant();
                 if streams {
-                    incoherent.trace_streams::<ANY, K>(scene, rays, hits, scratch, counter);
+                    incoherent.trace_streams::<ANY, K>(scene, &visible.filter, rays, hits, scratch, counter);
                 } else {
-                    incoherent.trace_packets::<ANY, K>(scene, rays, hits, scratch, counter);
+                    incoherent.trace_packets::<ANY, K>(scene, visible, rays, hits, scratch, counter);
                 }
             }
         }
@@ -190,6 +193,7 @@ fn trace_chunk<const ANY: bool, K: Kernel<Shape = Triangle>>(
 /// Traces consecutive rays as blocks. Returns the rays whose hits are not known yet.
 fn trace_blocks<const ANY: bool, K: Kernel<Shape = Triangle>>(
     scene: &Scene<K>,
+    filter: &impl Filter,
     rays: &[Ray<f32>],
     hits: &mut [Hit<f32>],
     scratch: &mut Scratch,
@@ -205,7 +209,7 @@ fn trace_blocks<const ANY: bool, K: Kernel<Shape = Triangle>>(
             skip -= 1;
             hits.fill(Hit::MISS);
         } else {
-            match scene.trace_block::<ANY>(rays, hits, scratch, counter) {
+            match scene.trace_block::<ANY>(rays, hits, filter, scratch, counter) {
                 Outcome::Traced => {
                     given_up = 0;
                     continue;

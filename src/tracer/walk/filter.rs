@@ -2,7 +2,7 @@
 
 use wide::f32x8;
 
-use crate::geom::{Candidate, Hit, Ray};
+use crate::geom::{Candidate, Hit, Mask8, Ray};
 
 /// Decides which hits count. A closure `|ray, hit| -> bool` is a filter.
 ///
@@ -44,6 +44,17 @@ impl Filter for Everything {
     fn accepts(&self, _: &Ray<f32>, _: &Hit<f32>) -> bool {
         true
     }
+}
+
+/// The candidates that count, of eight rays.
+#[inline(always)]
+pub(crate) fn accepted<F: Filter>(candidates: Candidate<f32x8>, ray: &Ray<f32x8>, filter: &F) -> Candidate<f32x8> {
+    if F::ALL {
+        return candidates;
+    }
+    let hits = candidates.or_miss();
+    let accepts = |lane| hits.mask.lane(lane) && filter.accepts(&ray.lane(lane), &hits.lane(lane));
+    candidates.narrowed(Mask8::from_lanes(std::array::from_fn(accepts)), candidates.t())
 }
 
 /// The closest of the candidates that count.
