@@ -1,7 +1,7 @@
 //! A path tracer's bounce: the light that reaches each surface from the lamp, and over one other surface.
 //!
 //! No ray needs an epsilon: a surface spawns the rays that leave it. Writes `bounce.png`.
-//! `cargo run --release --example bounce -- SCENE`, with an OBJ file, a scene file or a built-in scene.
+//! `cargo run --release --example bounce -- SCENE`, with a mesh file, a scene file or a built-in scene.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,15 +1,16 @@
-//! Tests of the loader of OBJ and MTL files: what it reads, which files it refuses with which message, and that it
-//! never panics.
+//! Tests of the loaders of mesh files: what they read, which files they refuse with which message, and that they never
+//! panic. Here OBJ and MTL files, in `formats` PLY and STL files.
 
 mod faces;
 mod files;
+mod formats;
 
 use std::fs;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
 use raylanes::geom::Aabb;
-use raylanes::tracer::{Error, Mesh, ObjReport, load_obj};
+use raylanes::tracer::{Error, Mesh, MeshReport, load_obj};
 
 use faces::{faces, triangles_per_face};
 use files::{Files, is_short_line, mutate};
@@ -17,7 +18,7 @@ use raylanes::conformance::Random;
 
 const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
 
-fn load_text(text: impl AsRef<[u8]>) -> Result<(Mesh, ObjReport), Error> {
+fn load_text(text: impl AsRef<[u8]>) -> Result<(Mesh, MeshReport), Error> {
     load_obj(&Files::new().write("x.obj", text))
 }
 
@@ -586,7 +587,7 @@ const PIECES: [&str; 30] = [
 ];
 
 /// Checks that a mesh is that of the text, where a face without a known material is grey.
-fn assert_is_mesh_of(text: &[u8], mesh: &Mesh, report: &ObjReport, color: impl Fn(&str) -> Vec3) {
+fn assert_is_mesh_of(text: &[u8], mesh: &Mesh, report: &MeshReport, color: impl Fn(&str) -> Vec3) {
     let faces = faces(text);
     let triangles: Vec<_> = mesh.iter().collect();
     let overlap = report.warnings.iter().any(|warning| warning.contains("crosses itself"));
@@ -647,7 +648,7 @@ fn corrupted_files_neither_panic_nor_make_wrong_meshes() {
 }
 
 /// A scene used for measurements. It is not part of the project; `None` if it is not there.
-fn load_scene(name: &str) -> Option<(Mesh, ObjReport)> {
+fn load_scene(name: &str) -> Option<(Mesh, MeshReport)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
     if !path.exists() {
         eprintln!("skipped: {} does not exist", path.display());

@@ -393,7 +393,10 @@ fn errors_name_line_and_key() {
             "[[mesh]]\nname = 'm'\nfile = 'corner.obj'\ngenerator = 'room'",
             "10: mesh: a mesh needs either file or generator",
         ),
-        ("[[mesh]]\nname = 'm'\nfile = 'x.toml'", "12: mesh.file: expected an OBJ file (*.obj): \"x.toml\""),
+        (
+            "[[mesh]]\nname = 'm'\nfile = 'x.toml'",
+            "12: mesh.file: expected an OBJ, PLY or STL file (*.obj, *.ply, *.stl): \"x.toml\"",
+        ),
         ("[[mesh]]\nfile = 'corner.obj'", "10: mesh: missing field `name`"),
         (
             "[[mesh]]\nname = 'm'\ngenerator = 'forest'",

@@ -28,7 +28,7 @@ use embree::{Caller, Calls, Embree, Quality};
 /// Traces the same rays with raylanes and its peers.
 #[derive(Parser)]
 struct Arguments {
-    /// Built-in scenes, OBJ files or scene files of one mesh each; a camera may follow as points X,Y,Z.
+    /// Built-in scenes, mesh files or scene files of one mesh each; a camera may follow as points X,Y,Z.
     #[arg(value_name = "SCENE[@EYE:LOOK_AT]", default_value = "terrain:1e6")]
     scenes: Vec<String>,
     /// Width and height of the picture whose rays are traced.

@@ -76,7 +76,7 @@ impl Default for StudyArguments {
 /// The arguments that `trace` and `render` share.
 #[derive(Args)]
 pub(super) struct SceneArguments {
-    /// A scene file (*.toml), an OBJ file (*.obj) or a built-in scene.
+    /// A scene file (*.toml), a mesh (*.obj, *.ply, *.stl) or a built-in scene.
     pub(super) scene: String,
     /// Triangle kernel, by ID or name; see `raylanes list`.
     #[arg(long, value_name = "ID", default_value = <TracerKernel as Kernel>::INFO.id.method)]
@@ -194,7 +194,7 @@ impl From<ShadeArgument> for Shade {
 fn closing_help() -> String {
     format!(
         "Without a command, `study` measures the built-in scenes.\n\
-         SCENE is an OBJ file (*.obj), a scene file (*.toml) or a built-in scene: {}.\n\
+         SCENE is a mesh (*.obj, *.ply, *.stl), a scene file (*.toml) or a built-in scene: {}.\n\
          All built-in scenes but the last take a size: room:small, terrain:1e6.",
         BuiltIn::NAMES.join(", ")
     )

@@ -7,7 +7,7 @@
 //! use raylanes::kernels::triangle::ExactHalfOpen;
 //! use raylanes::tracer::{Mode, Scene, SceneSource, occluded, trace};
 //!
-//! // A built-in scene; an OBJ file or a scene file is loaded in the same way.
+//! // A built-in scene; a mesh file or a scene file is loaded in the same way.
 //! let loaded = SceneSource::parse("terrain:1e3")?.load()?;
 //! let (view, scene) = (loaded.view, Scene::<ExactHalfOpen<f32>>::new(loaded.world));
 //!
@@ -27,7 +27,7 @@
 //!
 //! | room | content |
 //! | --- | --- |
-//! | `meshes` | triangle meshes, OBJ files, generated meshes |
+//! | `meshes` | triangle meshes, mesh files, generated meshes |
 //! | `bvh` | the tree with eight children per node, how it is built, the box rule |
 //! | `walk` | ways to walk a tree: which nodes and leaves rays visit |
 //! | `leaf` | a mesh prepared for a kernel, and what each walk does in a leaf |
@@ -81,9 +81,9 @@ pub use image::{
 };
 #[cfg(feature = "study")]
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
-pub use load::{BuiltIn, LoadedScene, SceneSource, load_scene};
+pub use load::{BuiltIn, LoadedScene, SceneSource, load_mesh, load_scene};
 pub use memory::check_memory;
-pub use meshes::{Mesh, MeshError, ObjReport, Part, load_obj};
+pub use meshes::{Mesh, MeshError, MeshReport, Part, load_obj, load_ply, load_stl};
 pub use scene::{Checker, Disc, Face, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{
     Mode, Traceable, checksum, occluded, occluded_into, read_rays, start_global_pool, thread_pool, trace, trace_into,

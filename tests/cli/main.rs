@@ -141,6 +141,9 @@ fn a_build_without_peers_says_how_to_build_with_them() {
 fn an_error_in_a_mesh_names_file_line_and_value() {
     let folder = Folder::new("meshes");
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1000000000000000000\nproperty float x\nproperty float y\n\
+               property float z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
+        .to_owned();
     for (name, content, words) in [
         ("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", &["nan.obj:2", "nan"][..]),
         ("word.obj", "v 0 0 zero\n", &["word.obj:1", "zero"]),
@@ -148,6 +151,9 @@ fn an_error_in_a_mesh_names_file_line_and_value() {
         ("face.obj", &format!("{triangle}f 1 x 3\n"), &["face.obj:4", "f 1 x 3"]),
         ("none.obj", triangle, &["none.obj", "no triangles"]),
         ("empty.obj", "", &["empty.obj"]),
+        ("large.ply", &format!("{ply}1e39 0 0\n"), &["large.ply:10", "infinite", "1e39 0 0"]),
+        ("short.ply", &ply, &["short.ply", "vertex 0", "1000000000000000000"]),
+        ("nan.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 nan 0\n", &["nan.stl:4", "vertex 0 nan 0"]),
     ] {
         let file = folder.file(name, content);
         fails(&["trace", text(&file)], words);

@@ -189,7 +189,7 @@ fn real_scenes_have_identical_hits() {
             eprintln!("skipped: {} does not exist", path.display());
             continue;
         }
-        check(&SceneSource::Obj(path));
+        check(&SceneSource::Mesh(path));
     }
 }
 

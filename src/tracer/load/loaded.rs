@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::error::Error;
 use crate::tracer::image::View;
 use crate::tracer::memory::check_memory;
-use crate::tracer::meshes::{Mesh, ObjReport, load_obj};
+use crate::tracer::meshes::{Mesh, MeshReport, load_obj, load_ply, load_stl};
 use crate::tracer::scene::World;
 
 /// What loading a scene gives.
@@ -21,20 +21,42 @@ pub struct LoadedScene {
 }
 
 /// Whether a file has this extension, in upper or lower case.
-pub(crate) fn has_extension(path: &Path, expected: &str) -> bool {
+pub(super) fn has_extension(path: &Path, expected: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(expected))
 }
 
-/// Loads an OBJ file if there is memory for it.
-pub(super) fn load_mesh(path: &Path) -> Result<(Mesh, ObjReport), Error> {
+type MeshLoader = fn(&Path) -> Result<(Mesh, MeshReport), Error>;
+
+/// The loader of each extension. [`MESH_FILES`] names them.
+const LOADERS: [(&str, MeshLoader); 3] = [("obj", load_obj), ("ply", load_ply), ("stl", load_stl)];
+
+/// The mesh files that are read, for messages.
+pub(super) const MESH_FILES: &str = "an OBJ, PLY or STL file (*.obj, *.ply, *.stl)";
+
+fn mesh_loader(path: &Path) -> Option<MeshLoader> {
+    LOADERS.into_iter().find(|(extension, _)| has_extension(path, extension)).map(|(_, loader)| loader)
+}
+
+/// Whether the extension is that of a mesh file.
+pub(super) fn is_mesh_file(path: &Path) -> bool {
+    mesh_loader(path).is_some()
+}
+
+/// Loads a mesh from an OBJ, PLY or STL file, by its extension, if there is memory for it. See [`load_obj`],
+/// [`load_ply`] and [`load_stl`].
+///
+/// # Errors
+/// If the extension is another, or if the file cannot be read or is not valid.
+pub fn load_mesh(path: &Path) -> Result<(Mesh, MeshReport), Error> {
+    let load = mesh_loader(path).ok_or_else(|| Error::in_file(path, format!("expected {MESH_FILES}")))?;
     // Numbers take less memory than their text, but they are in memory twice while the mesh is made.
     let bytes = fs::metadata(path).map_or(0, |file| file.len());
     check_memory(bytes as usize).map_err(|message| Error::in_file(path, message))?;
-    load_obj(path)
+    load(path)
 }
 
-/// The remarks about an OBJ file.
-pub(crate) fn obj_remarks(report: ObjReport) -> Vec<String> {
+/// The remarks about a mesh file.
+pub(super) fn mesh_remarks(report: MeshReport) -> Vec<String> {
     let mut remarks = Vec::new();
     if report.degenerate > 0 {
         remarks.push(format!("triangles of zero area, which no ray hits: {}", report.degenerate));

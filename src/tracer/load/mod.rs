@@ -1,4 +1,4 @@
-//! Loading scenes: OBJ files, scene files in TOML, and built-in scenes.
+//! Loading scenes: mesh files, scene files in TOML, and built-in scenes.
 
 mod builtin;
 mod loaded;
@@ -6,6 +6,6 @@ mod scene_file;
 mod source;
 
 pub use builtin::BuiltIn;
-pub use loaded::LoadedScene;
+pub use loaded::{LoadedScene, load_mesh};
 pub use scene_file::load_scene;
 pub use source::SceneSource;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::builtin::BuiltIn;
-use super::loaded::{LoadedScene, has_extension, load_mesh, obj_remarks};
+use super::loaded::{LoadedScene, MESH_FILES, has_extension, is_mesh_file, load_mesh, mesh_remarks};
 use super::scene_file::load_scene;
 use crate::error::{Error, printable};
 use crate::tracer::image::View;
@@ -18,14 +18,15 @@ pub enum SceneSource {
         /// The scene and its size.
         scene: BuiltIn,
     },
-    /// An OBJ file.
-    Obj(PathBuf),
+    /// An OBJ, PLY or STL file.
+    Mesh(PathBuf),
     /// A scene file.
     Toml(PathBuf),
 }
 
 impl SceneSource {
-    /// Parses a built-in name, with or without a size, or the path of an OBJ or scene file. Does not open the file.
+    /// Parses a built-in name, with or without a size, or the path of a mesh file or scene file. Does not open
+    /// the file.
     ///
     /// # Errors
     /// If the argument is none of these, or if a size is not valid for the built-in scene.
@@ -34,8 +35,8 @@ impl SceneSource {
             return Ok(Self::BuiltIn { name: argument.into(), scene: scene? });
         }
         let path = Path::new(argument);
-        if has_extension(path, "obj") {
-            return Ok(Self::Obj(path.into()));
+        if is_mesh_file(path) {
+            return Ok(Self::Mesh(path.into()));
         }
         if has_extension(path, "toml") {
             return Ok(Self::Toml(path.into()));
@@ -43,7 +44,7 @@ impl SceneSource {
         Err(Error::Argument {
             argument: argument.into(),
             message: format!(
-                "not a scene: expected an OBJ file (*.obj), a scene file (*.toml) or one of {}",
+                "not a scene: expected {MESH_FILES}, a scene file (*.toml) or one of {}",
                 BuiltIn::NAMES.join(", ")
             ),
         })
@@ -54,7 +55,7 @@ impl SceneSource {
     pub fn name(&self) -> String {
         match self {
             Self::BuiltIn { name, .. } => name.clone(),
-            Self::Obj(path) | Self::Toml(path) => {
+            Self::Mesh(path) | Self::Toml(path) => {
                 printable(&path.file_name().unwrap_or(path.as_os_str()).to_string_lossy())
             }
         }
@@ -67,9 +68,9 @@ impl SceneSource {
     /// If a file cannot be read or is not valid.
     pub fn check(&self) -> Result<(), Error> {
         match self {
-            Self::Obj(path) | Self::Toml(path) if path.metadata().is_ok_and(|file| !file.is_file()) => Ok(()),
+            Self::Mesh(path) | Self::Toml(path) if path.metadata().is_ok_and(|file| !file.is_file()) => Ok(()),
             Self::BuiltIn { .. } => Ok(()),
-            Self::Obj(_) | Self::Toml(_) => self.load().map(drop),
+            Self::Mesh(_) | Self::Toml(_) => self.load().map(drop),
         }
     }
 
@@ -80,10 +81,10 @@ impl SceneSource {
     pub fn load(&self) -> Result<LoadedScene, Error> {
         match self {
             Self::BuiltIn { scene, .. } => scene.load(),
-            Self::Obj(path) => {
+            Self::Mesh(path) => {
                 let (mesh, report) = load_mesh(path)?;
                 let view = View::around(&mesh.bounds());
-                Ok(LoadedScene { world: mesh.into(), view, remarks: obj_remarks(report) })
+                Ok(LoadedScene { world: mesh.into(), view, remarks: mesh_remarks(report) })
             }
             Self::Toml(path) => load_scene(path),
         }

@@ -5,6 +5,9 @@ use glam::{Vec2, Vec3};
 use super::corner_values::CornerValues;
 use crate::geom::{Aabb, Triangle};
 
+/// Colour of triangles whose file gives them none: light grey.
+pub(super) const DEFAULT_COLOR: Vec3 = Vec3::splat(0.8);
+
 /// Triangles that share vertices. Every mesh is valid: [`Mesh::new`] lists the conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {

@@ -1,11 +1,20 @@
-//! Triangle meshes: the data, OBJ files, and generated meshes.
+//! Triangle meshes: the data, OBJ, PLY and STL files, and generated meshes.
 
 mod closed;
 mod corner_values;
 pub(crate) mod generator;
+mod line;
 mod mesh;
 mod obj;
+mod ply;
+mod polygon;
+mod reader;
+mod report;
+mod stl;
 
 pub(crate) use mesh::two_sum;
 pub use mesh::{Mesh, MeshError, Part};
-pub use obj::{ObjReport, load_obj};
+pub use obj::load_obj;
+pub use ply::load_ply;
+pub use report::MeshReport;
+pub use stl::load_stl;

@@ -14,7 +14,7 @@ use super::quadric::QuadricTable;
 use super::scatter::{self, Ground, Variation};
 use super::transform::{compose2, compose3};
 use crate::error::{Error, and_more, printable, quoted};
-use crate::tracer::load::loaded::{has_extension, load_mesh, obj_remarks};
+use crate::tracer::load::loaded::{MESH_FILES, is_mesh_file, load_mesh, mesh_remarks};
 use crate::tracer::memory::check_memory;
 use crate::tracer::meshes::generator::{DEFAULT_SIZE, Generator, MAX_SIZE};
 use crate::tracer::scene::{Checker, Geometry, Paint, Placement, World, is_singular};
@@ -51,13 +51,13 @@ impl<'a> WorldBuilder<'a> {
         let (span, format::Mesh { name, file, generator }) = (mesh.span(), mesh.get_ref());
         let mesh = match (file, generator) {
             (Some(file), None) => {
-                if !has_extension(file.get_ref(), "obj") {
-                    let message = format!("expected an OBJ file (*.obj): {}", quoted_name(file.get_ref()));
+                if !is_mesh_file(file.get_ref()) {
+                    let message = format!("expected {MESH_FILES}: {}", quoted_name(file.get_ref()));
                     return Err(SpanError::new(file.span(), message).into());
                 }
                 let path = self.path.with_file_name("").join(file.get_ref());
                 let (mesh, report) = load_mesh(&path).map_err(SceneError::Other)?;
-                let remarks = obj_remarks(report).into_iter();
+                let remarks = mesh_remarks(report).into_iter();
                 self.remarks.extend(remarks.map(|remark| format!("{}: {remark}", printable(name.get_ref()))));
                 mesh
             }

@@ -12,7 +12,7 @@ use crate::error::{Error, quoted};
 pub(super) enum SceneError {
     /// Something in its text is not valid.
     InText(SpanError),
-    /// Something else is wrong, for example with an OBJ file that it names.
+    /// Something else is wrong, for example with a mesh file that it names.
     Other(Error),
 }
 

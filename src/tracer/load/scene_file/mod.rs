@@ -25,16 +25,16 @@ use crate::files::Input;
 /// Largest size in bytes of a scene file.
 const MAX_BYTES: u64 = 1 << 24;
 
-/// Loads a scene file in TOML, and the OBJ files that it names.
+/// Loads a scene file in TOML, and the mesh files that it names.
 ///
 /// # Tables
 ///
 /// - `[camera]` has `eye` and `look_at`. Optional: `field_of_view` (vertical, in degrees, default 45) and `transform`,
 ///   which is applied to the camera.
 /// - `[light]` has either `point`, its position, or `direction`, a vector towards it.
-/// - `[[mesh]]` has `name`, and either `file` or `generator`. `file` is the path of an OBJ file, relative to the scene
-///   file. `generator` is `room`, `terrain`, `sphere`, `tree` or `square`. All but `square` can have a number of
-///   triangles, as in `terrain:1e6`; the default is 100,000.
+/// - `[[mesh]]` has `name`, and either `file` or `generator`. `file` is the path of an OBJ, PLY or STL file, relative
+///   to the scene file. `generator` is `room`, `terrain`, `sphere`, `tree` or `square`. All but `square` can have a
+///   number of triangles, as in `terrain:1e6`; the default is 100,000.
 /// - `[[quadric]]` has `name`, and one of `sphere`, `ellipsoid`, `paraboloid`, `elliptic_paraboloid`,
 ///   `hyperboloid_of_one_sheet`, `hyperboloid_of_two_sheets`, `cone`, `cylinder`, `plane`. This is a table with the
 ///   arguments of the [constructor](crate::geom::Quadric) of the same name. With `closed = true`, cones, cylinders and

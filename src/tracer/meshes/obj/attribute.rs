@@ -3,9 +3,9 @@
 
 use std::num::IntErrorKind;
 
-use super::line::{Line, LineError};
 use crate::error::quoted;
 use crate::tracer::meshes::Mesh;
+use crate::tracer::meshes::line::{Line, LineError};
 
 /// Something that faces refer to by index, as messages name it.
 #[derive(Clone, Copy, Debug)]

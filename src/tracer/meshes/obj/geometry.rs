@@ -4,8 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::line::LineCount;
-use super::polygon::{self, Flaws};
+use crate::tracer::meshes::polygon::OddPolygons;
 
 /// Vertices and triangles, in the order of the faces.
 #[derive(Debug, Default)]
@@ -16,10 +15,7 @@ pub(super) struct Geometry {
     pub(super) corners: Vec<[u32; 3]>,
     /// The first triangle of each face, and after the last face the number of triangles.
     pub(super) first_triangles: Vec<usize>,
-    /// Polygons whose edges cross.
-    crossing: LineCount,
-    /// Polygons that are not in one plane.
-    bent: LineCount,
+    odd_polygons: OddPolygons,
 }
 
 impl Geometry {
@@ -67,19 +63,11 @@ impl Geometry {
     /// The triangles of a face with more than three corners, by its corners.
     fn split(&mut self, face: &[u32], line: usize) -> Vec<[usize; 3]> {
         let corners: Vec<_> = face.iter().map(|&index| self.positions[index as usize]).collect();
-        let (triangles, Flaws { crossing, bent }) = polygon::split(&corners);
-        for (has_flaw, count) in [(crossing, &mut self.crossing), (bent, &mut self.bent)] {
-            if has_flaw {
-                count.add_with(line, || format!("{} corners", face.len()));
-            }
-        }
-        triangles
+        self.odd_polygons.split(&corners, line, || format!("{} corners", face.len()))
     }
 
     /// Warnings about polygons that have no obvious surface.
     pub(super) fn warnings(&self, file: &Path) -> impl Iterator<Item = String> {
-        let crossing = self.crossing.warning(file, "polygon crosses itself, so its triangles may reach outside");
-        let bent = self.bent.warning(file, "polygon is not flat, so its surface depends on how it is split");
-        crossing.into_iter().chain(bent)
+        self.odd_polygons.warnings(file)
     }
 }

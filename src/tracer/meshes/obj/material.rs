@@ -7,12 +7,10 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use super::line::{Line, LineCount, LineError, decode};
-use super::reader::{CheckedReader, LineChecker};
 use crate::error::{Error, quoted};
-
-/// Colour of faces without a defined material: light grey.
-pub(super) const DEFAULT_COLOR: Vec3 = Vec3::splat(0.8);
+use crate::tracer::meshes::line::{Line, LineCount, LineError, decode};
+use crate::tracer::meshes::mesh::DEFAULT_COLOR;
+use crate::tracer::meshes::reader::{CheckedReader, LineChecker};
 
 /// The libraries that a file names, in order. Some exporters name them again for every object.
 #[derive(Debug, Default)]

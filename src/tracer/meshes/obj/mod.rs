@@ -2,16 +2,16 @@
 //!
 //! `tobj` alone is not enough. It reports no line numbers, accepts NaN as a coordinate, and takes `l 1 2 3` for a
 //! triangle. It refuses a whole file for a broken texture coordinate that nobody uses. It panics on a colour of two
-//! numbers. So [`reader`] gives it one checked line at a time, and only lines that make geometry. Errors are found
-//! here, where the line number is known.
+//! numbers. So [`CheckedReader`] gives it one checked line at a time, and only lines that make geometry. Errors are
+//! found here, where the line number is known.
 //!
 //! | in the file | what becomes of it |
 //! | --- | --- |
 //! | `v x y z`, `v x y z w` | a vertex; `tobj` divides by the weight `w` |
 //! | `v x y z r g b`, `… a` | a vertex; its colour is ignored with a warning |
-//! | `f` with 3 or more vertices | triangles; a convex polygon becomes a fan around its first vertex ([`polygon`]) |
+//! | `f` with 3 or more vertices | triangles; a convex polygon becomes a fan around its first vertex; see `polygon` |
 //! | `usemtl`, `mtllib` | the diffuse colour of the material; `mtllib` takes one name with spaces, or several |
-//! | `p`, `l`, `curv`, `curv2`, `surf` | no surface; counted in [`ObjReport::ignored_elements`] |
+//! | `p`, `l`, `curv`, `curv2`, `surf` | no surface; counted in [`MeshReport::ignored_elements`] |
 //! | `vn x y z`, and `f` with `v//vn` or `v/vt/vn` | normals at the corners of triangles; see [`Mesh::normals`] |
 //! | `vt u`, `vt u v`, `vt u v w`, and `f` with `v/vt` | texture coordinates at the corners, without `w` |
 //! | groups, display attributes | ignored, with any content |
@@ -29,34 +29,17 @@
 
 mod attribute;
 mod geometry;
-mod line;
 mod material;
 mod obj_lines;
-mod polygon;
-mod reader;
 
 use std::path::Path;
 
 use self::geometry::Geometry;
 use self::obj_lines::ObjLines;
-use self::reader::CheckedReader;
 use super::mesh::Mesh;
+use super::reader::CheckedReader;
+use super::report::MeshReport;
 use crate::error::Error;
-
-/// What the loader left out of a mesh, and other remarks about the file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct ObjReport {
-    /// Number of vertices in the file. The mesh holds only vertices that faces use.
-    pub vertices: usize,
-    /// Number of triangles of exactly zero area. The mesh keeps them, so that primitive numbers follow the file.
-    pub degenerate: usize,
-    /// Number of points, lines, curves and free-form surfaces.
-    pub ignored_elements: usize,
-    /// One line for each kind: missing libraries or materials, polygons that cross themselves or are not flat, unknown
-    /// keywords, ignored or clamped colours. It names the first and counts the others.
-    pub warnings: Vec<String>,
-}
 
 /// Loads an OBJ file and the material files that it names. Triangles are in the order of the file's faces.
 ///
@@ -64,7 +47,7 @@ pub struct ObjReport {
 ///
 /// # Errors
 /// If a file cannot be read, if a line is not valid, or if there are no triangles.
-pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
+pub fn load_obj(path: &Path) -> Result<(Mesh, MeshReport), Error> {
     let options = tobj::LoadOptions { single_index: true, ..Default::default() };
     let mut reader = CheckedReader::open(path, ObjLines::default())?;
     // The reader passes no objects, groups or materials on. So tobj makes one model, and its faces share vertices.
@@ -93,7 +76,6 @@ pub fn load_obj(path: &Path) -> Result<(Mesh, ObjReport), Error> {
         Ok(mesh)
     });
     let mesh = mesh.map_err(|error| Error::in_file(path, error.to_string()))?;
-    let degenerate = mesh.degenerate_triangles();
-    let report = ObjReport { vertices, degenerate, ignored_elements, warnings };
+    let report = MeshReport { vertices, degenerate: mesh.degenerate_triangles(), ignored_elements, warnings };
     Ok((mesh, report))
 }

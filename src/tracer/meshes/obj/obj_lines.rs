@@ -6,11 +6,11 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::attribute::{Attribute, ForwardIndices, VERTEX};
-use super::line::{Line, LineCount, LineError, decode};
-use super::material::{DEFAULT_COLOR, UsedLibraries};
-use super::reader::LineChecker;
+use super::material::UsedLibraries;
 use crate::error::quoted;
-use crate::tracer::meshes::mesh::Part;
+use crate::tracer::meshes::line::{Line, LineCount, LineError, decode};
+use crate::tracer::meshes::mesh::{DEFAULT_COLOR, Part};
+use crate::tracer::meshes::reader::LineChecker;
 
 /// Keywords of lines that are ignored without a warning: points of parameter space, names, display settings, and the
 /// bodies of free-form curves and surfaces. The first line of a curve or surface counts it; see

@@ -39,11 +39,11 @@ impl<'a> Line<'a> {
 
     /// Parses a finite number. `what` names the number in error messages.
     pub(super) fn finite(&self, what: &str, word: &[u8]) -> Result<f32, LineError> {
-        match str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok()) {
-            None => Err(self.error(&format!("{what} cannot be read"))),
-            Some(number) if number.is_nan() => Err(self.error(&format!("{what} is NaN"))),
-            Some(number) if number.is_infinite() => Err(self.error(&format!("{what} is infinite or too large"))),
-            Some(number) => Ok(number),
+        let number = str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
+        let number = number.ok_or_else(|| self.error(&format!("{what} cannot be read")))?;
+        match not_finite(number) {
+            Some(reason) => Err(self.error(&format!("{what} {reason}"))),
+            None => Ok(number),
         }
     }
 
@@ -55,6 +55,15 @@ impl<'a> Line<'a> {
     fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let end = self.text.iter().position(|&byte| byte == b'#').unwrap_or(self.text.len());
         self.text[..end].split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    }
+}
+
+/// What is wrong with a number that is not finite.
+pub(super) fn not_finite(number: f32) -> Option<&'static str> {
+    match number {
+        _ if number.is_nan() => Some("is NaN"),
+        _ if number.is_infinite() => Some("is infinite or too large"),
+        _ => None,
     }
 }
 
@@ -70,7 +79,8 @@ pub(super) fn decode(name: &[u8]) -> Cow<'_, str> {
 #[derive(Debug, Default)]
 pub(super) struct LineCount {
     count: usize,
-    first: Option<(usize, String)>,
+    /// Its line, if there are lines, and its text.
+    first: Option<(Option<usize>, String)>,
 }
 
 impl LineCount {
@@ -79,9 +89,9 @@ impl LineCount {
     }
 
     /// Like [`LineCount::add`], but the warning shows `text` instead of the line.
-    pub(super) fn add_with(&mut self, line: usize, text: impl FnOnce() -> String) {
+    pub(super) fn add_with(&mut self, line: impl Into<Option<usize>>, text: impl FnOnce() -> String) {
         self.count += 1;
-        self.first.get_or_insert_with(|| (line, text()));
+        self.first.get_or_insert_with(|| (line.into(), text()));
     }
 
     pub(super) fn count(&self) -> usize {
@@ -96,6 +106,7 @@ impl LineCount {
     /// The warning, or `None` if no line was counted.
     pub(super) fn warning(&self, file: &Path, message: &str) -> Option<String> {
         let (line, text) = self.first.as_ref()?;
-        Some(Error::in_line(file, *line, format!("{message}: {text}{}", and_more(self.count - 1))).to_string())
+        let message = format!("{message}: {text}{}", and_more(self.count - 1));
+        Some(Error::Input { file: file.to_owned(), line: *line, message }.to_string())
     }
 }

@@ -13,6 +13,7 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
@@ -21,6 +22,7 @@ use spade::{
     Point2, Triangulation,
 };
 
+use super::line::LineCount;
 use crate::kernels::power_of_two_below;
 use crate::tracer::meshes::generator::hash;
 
@@ -33,16 +35,48 @@ const SMALLEST: f64 = 1e-40;
 
 /// What is odd about a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Flaws {
+struct Flaws {
     /// Edges cross, or parts overlap.
-    pub(super) crossing: bool,
+    crossing: bool,
     /// The corners are not in one plane.
-    pub(super) bent: bool,
+    bent: bool,
 }
 
-/// The triangles of a polygon with at least three corners. There is at least one. They hold numbers of corners, counted
-/// from 0.
-pub(super) fn split(corners: &[Vec3]) -> (Vec<[usize; 3]>, Flaws) {
+/// The polygons of a file that have no obvious surface.
+#[derive(Debug, Default)]
+pub(super) struct OddPolygons {
+    crossing: LineCount,
+    bent: LineCount,
+}
+
+impl OddPolygons {
+    /// The triangles of a polygon with at least three corners. There is at least one. They hold numbers of corners,
+    /// counted from 0. `line` and `text` show the polygon in warnings.
+    pub(super) fn split(
+        &mut self,
+        corners: &[Vec3],
+        line: impl Into<Option<usize>>,
+        text: impl Fn() -> String,
+    ) -> Vec<[usize; 3]> {
+        let (triangles, Flaws { crossing, bent }) = split(corners);
+        let line = line.into();
+        for (has_flaw, count) in [(crossing, &mut self.crossing), (bent, &mut self.bent)] {
+            if has_flaw {
+                count.add_with(line, &text);
+            }
+        }
+        triangles
+    }
+
+    pub(super) fn warnings(&self, file: &Path) -> impl Iterator<Item = String> {
+        let crossing = self.crossing.warning(file, "polygon crosses itself, so its triangles may reach outside");
+        let bent = self.bent.warning(file, "polygon is not flat, so its surface depends on how it is split");
+        crossing.into_iter().chain(bent)
+    }
+}
+
+/// See [`OddPolygons::split`].
+fn split(corners: &[Vec3]) -> (Vec<[usize; 3]>, Flaws) {
     let fan = || (2..corners.len()).map(|corner| [0, corner - 1, corner]).collect();
     let spokes = spokes(corners);
     let newell: DVec3 = spokes.windows(2).map(|pair| pair[0].cross(pair[1])).sum();

@@ -1,5 +1,6 @@
-//! A reader that gives `tobj` one checked line at a time, so that errors can name the line.
+//! A reader that gives a parser one checked line at a time, so that errors can name the line.
 
+use std::fmt::Display;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use crate::error::{Error, quoted};
 use crate::files::Input;
 
 /// Largest size in bytes of a file. A pipe or a device may never end.
-const MAX_BYTES: u64 = 1 << 33;
+pub(super) const MAX_BYTES: u64 = 1 << 33;
 
 /// Largest length in bytes of a line, with the lines joined to it. It bounds the memory that a binary file can take. A
 /// face with a million vertices fits.
@@ -23,6 +24,9 @@ const VERTICAL_TAB: u8 = b'\x0b';
 
 /// Checks every line of a file before the parser reads it.
 pub(super) trait LineChecker {
+    /// Whether a backslash at the end of a line joins it with the next one.
+    const JOINS_LINES: bool = true;
+
     /// Checks a line and appends to `checked` what the parser shall read: nothing, or one line with its line break.
     ///
     /// # Errors
@@ -60,7 +64,11 @@ pub(super) struct CheckedReader<'a, C> {
 
 impl<'a, C: LineChecker> CheckedReader<'a, C> {
     pub(super) fn open(file: &'a Path, checker: C) -> Result<Self, Error> {
-        let mut source = BufReader::new(Input::open(file, MAX_BYTES)?);
+        Self::new(file, BufReader::new(Input::open(file, MAX_BYTES)?), checker)
+    }
+
+    /// Reads an open file.
+    pub(super) fn new(file: &'a Path, mut source: BufReader<Input>, checker: C) -> Result<Self, Error> {
         if let Some(encoding) = wide_encoding(source.fill_buf().map_err(Error::reading(file))?) {
             let message = format!("the text is {encoding}, expected UTF-8; iconv -f {encoding} -t UTF-8 converts it");
             return Err(Error::in_line(file, 1, message));
@@ -73,14 +81,30 @@ impl<'a, C: LineChecker> CheckedReader<'a, C> {
     ///
     /// # Errors
     /// The error of the reader, the checker or the parser, with its line.
-    pub(super) fn finish<T>(self, parsed: Result<T, tobj::LoadError>) -> Result<(T, C), Error> {
-        match (self.failure, parsed) {
+    pub(super) fn finish<T>(mut self, parsed: Result<T, impl Display>) -> Result<(T, C), Error> {
+        match (self.failure.take(), parsed) {
             (Some(failure), _) => Err(failure),
-            (None, Err(error)) => {
-                Err(Error::in_line(self.file, self.number, format!("{error}: {}", quoted(&self.text))))
-            }
+            (None, Err(error)) => Err(self.error(error)),
             (None, Ok(parsed)) => Ok((parsed, self.checker)),
         }
+    }
+
+    /// The error of the reader or the checker, or else `message` about the current line, or about the file at its end.
+    pub(super) fn error(&mut self, message: impl Display) -> Error {
+        self.failure.take().unwrap_or_else(|| match &self.text[..] {
+            [] => Error::in_file(self.file, message.to_string()),
+            text => Error::in_line(self.file, self.number, format!("{message}: {}", quoted(text))),
+        })
+    }
+
+    /// Number of the current line.
+    pub(super) fn line(&self) -> usize {
+        self.number
+    }
+
+    /// What follows the current line.
+    pub(super) fn rest(&mut self) -> &mut BufReader<Input> {
+        &mut self.source
     }
 
     /// Reads and checks lines until there is something for the parser, or the file ends.
@@ -118,7 +142,7 @@ impl<'a, C: LineChecker> CheckedReader<'a, C> {
             }
             let end = start + self.text[start..].trim_ascii_end().len();
             self.text.truncate(end);
-            if !joins_next_line(&self.text[start..]) {
+            if !C::JOINS_LINES || !joins_next_line(&self.text[start..]) {
                 return Ok(true);
             }
             self.text.truncate(end - 1);
