@@ -79,7 +79,8 @@
 //!
 //! [wide] chooses its instructions at compile time. Without a flag, an x86-64 build has SSE2, and packets run at half
 //! width. Build with `RUSTFLAGS="-C target-cpu=native"`, or with `x86-64-v3` for every CPU with AVX2 and FMA. Hits do
-//! not depend on it.
+//! not depend on it. One build cannot choose at run time. Ship two builds for that: `examples/portable/src/levels.rs`
+//! starts the faster one where the CPU can run it.
 //!
 //! # Versions
 //!
