@@ -1,8 +1,15 @@
-//! Every kernel of this build on the same rays, with the checksum of its hits: equal on all targets.
+//! Every kernel of this build on the same rays: the checksum of its hits, which is equal on all targets, and the
+//! times of a scalar and of a packet test, in nanoseconds per ray. Each ray finds its closest hit among the primitives.
 //!
 //! `cargo run --release -p portable`. [levels] lets the program use newer processors and still run on old ones.
+//! `portable compare ROUNDS NAME=COMMAND...` runs several builds and compares them; `measure` makes them.
 
+mod compare;
 mod levels;
+
+use std::hint::black_box;
+use std::process::ExitCode;
+use std::time::Instant;
 
 use raylanes::geom::{Aabb, Hit, Placed, Quadric, Ray, Shape, Triangle};
 use raylanes::glam::{Affine3, Mat3, Vec3};
@@ -10,8 +17,9 @@ use raylanes::kernels::{Intersect, Kernel};
 use raylanes::registry::{self, Visitor};
 use raylanes::wide::f32x8;
 
-const RAYS: usize = 512;
-const PRIMITIVES: usize = 64;
+const RAYS: usize = 2048;
+const PRIMITIVES: usize = 32;
+const PASSES: usize = 9;
 
 /// The same numbers on every target: a linear congruential generator.
 struct Random(u64);
@@ -72,7 +80,27 @@ impl<S: Generate> Visitor<S> for Rows {
                 hits.lanes().iter().for_each(|hit| checksum.add(hit));
             }
         }
-        println!("{}\t{:016x}", K::INFO.id, checksum.0);
+        let scalar = time(|| {
+            for ray in &rays {
+                let (setup, mut closest) = (<K as Intersect<f32>>::setup(ray), Hit::MISS);
+                for primitive in &primitives {
+                    let hit = Intersect::<f32>::closest_hit(primitive, ray, &setup);
+                    closest = if hit.is_closer_than(&closest) { hit } else { closest };
+                }
+                black_box(closest);
+            }
+        });
+        let packet = time(|| {
+            for eight in rays.chunks_exact(8) {
+                let packet = Ray::from_slice(eight);
+                let (setup, mut closest) = (<K as Intersect<f32x8>>::setup(&packet), Hit::<f32x8>::miss());
+                for primitive in &primitives {
+                    closest.keep_closer(&Intersect::<f32x8>::candidate(primitive, &packet, &setup));
+                }
+                black_box(closest);
+            }
+        });
+        println!("{}\t{:016x}\t{scalar:.3}\t{packet:.3}", K::INFO.id, checksum.0);
     }
 }
 
@@ -87,8 +115,36 @@ impl Checksum {
     }
 }
 
-fn main() {
+/// The time of the fastest pass, in nanoseconds per ray and primitive.
+fn time(mut pass: impl FnMut()) -> f64 {
+    let seconds = (0..PASSES).map(|_| {
+        let start = Instant::now();
+        pass();
+        start.elapsed().as_secs_f64()
+    });
+    seconds.fold(f64::INFINITY, f64::min) * 1e9 / (RAYS * PRIMITIVES) as f64
+}
+
+fn main() -> ExitCode {
     levels::run_best_build();
-    println!("level\t{}", if levels::IS_V3 { "x86-64-v3" } else { "baseline" });
-    registry::all(&mut Rows);
+    let arguments: Vec<_> = std::env::args().skip(1).collect();
+    let outcome = match &arguments[..] {
+        [] => {
+            println!("# {}", if levels::IS_V3 { "x86-64-v3" } else { std::env::consts::ARCH });
+            registry::all(&mut Rows);
+            Ok(())
+        }
+        [command, rounds, builds @ ..] if command == "compare" && !builds.is_empty() => match rounds.parse() {
+            Ok(rounds @ 1..) => compare::compare(rounds, builds),
+            _ => Err(format!("expected a number of rounds, found '{rounds}'")),
+        },
+        _ => Err("expected nothing, or: compare ROUNDS NAME=COMMAND...".into()),
+    };
+    outcome.map_or_else(
+        |error| {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        },
+        |()| ExitCode::SUCCESS,
+    )
 }
