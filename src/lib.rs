@@ -85,8 +85,12 @@
 //! # Versions
 //!
 //! Types of [glam] and [wide] are part of the interface. Both crates are exported, so `raylanes::glam` and
-//! `raylanes::wide` are always the right versions. Another minor version of either, which may break code before 1.0, is
-//! a breaking change of this crate. Enums and structs that may grow are non-exhaustive: they are made by constructors.
+//! `raylanes::wide` are always the right versions. glam is supported from 0.33.8 to 0.34, with the same hits. Cargo
+//! takes the newest one. A crate that itself uses glam 0.33 makes both use it with
+//! `cargo update -p glam@0.34.2 --precise 0.33.12`, where the versions are those of its lock file.
+//!
+//! To drop a minor version of glam or to move to wide 2 is a breaking change of this crate. To allow another one is
+//! not. Enums and structs that may grow are non-exhaustive: they are made by constructors.
 //!
 //! # Adding a kernel
 //!
