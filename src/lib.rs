@@ -74,8 +74,9 @@
 //! # Features
 //!
 //! With `default-features = false` the crate is the kernels alone: `no_std`, with no dependencies except glam, libm
-//! and wide. `std` adds `conformance`, `tracer` scenes, `study` (the default) everything else, and `peers` other crates
-//! to compare the tracer with.
+//! and wide. `serde`, also `no_std`, writes and reads rays, hits and shapes. JSON has no infinity: it keeps an infinite
+//! `t_max` and misses, and other numbers that are not finite cannot be read again. `std` adds `conformance`, `tracer`
+//! scenes, `study` (the default) everything else, and `peers` other crates to compare the tracer with.
 //!
 //! [wide] chooses its instructions at compile time. Without a flag, an x86-64 build has SSE2, and packets run at half
 //! width. Build with `RUSTFLAGS="-C target-cpu=native"`, or with `x86-64-v3` for every CPU with AVX2 and FMA. Hits do
