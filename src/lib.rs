@@ -74,18 +74,24 @@
 //! # Features
 //!
 //! With `default-features = false` the crate is the kernels alone: `no_std`, with no dependencies except glam, libm
-//! and wide. `std` adds `conformance`, `tracer` scenes, `study` (the default) everything else, and `peers` other crates
-//! to compare the tracer with.
+//! and wide. `serde`, also `no_std`, writes and reads rays, hits and shapes. JSON has no infinity: it keeps an infinite
+//! `t_max` and misses, and other numbers that are not finite cannot be read again. `std` adds `conformance`, `tracer`
+//! scenes, `study` (the default) everything else, and `peers` other crates to compare the tracer with.
 //!
 //! [wide] chooses its instructions at compile time. Without a flag, an x86-64 build has SSE2, and packets run at half
 //! width. Build with `RUSTFLAGS="-C target-cpu=native"`, or with `x86-64-v3` for every CPU with AVX2 and FMA. Hits do
-//! not depend on it.
+//! not depend on it. One build cannot choose at run time. Ship two builds for that: `examples/portable/src/levels.rs`
+//! starts the faster one where the CPU can run it.
 //!
 //! # Versions
 //!
 //! Types of [glam] and [wide] are part of the interface. Both crates are exported, so `raylanes::glam` and
-//! `raylanes::wide` are always the right versions. Another minor version of either, which may break code before 1.0, is
-//! a breaking change of this crate. Enums and structs that may grow are non-exhaustive: they are made by constructors.
+//! `raylanes::wide` are always the right versions. glam is supported from 0.33.8 to 0.34, with the same hits. Cargo
+//! takes the newest one. A crate that itself uses glam 0.33 makes both use it with
+//! `cargo update -p glam@0.34.2 --precise 0.33.12`, where the versions are those of its lock file.
+//!
+//! To drop a minor version of glam or to move to wide 2 is a breaking change of this crate. To allow another one is
+//! not. Enums and structs that may grow are non-exhaustive: they are made by constructors.
 //!
 //! # Adding a kernel
 //!

@@ -5,6 +5,8 @@ mod candidate;
 mod hit;
 pub mod lanes;
 mod ray;
+#[cfg(feature = "serde")]
+mod serialize;
 mod shapes;
 pub mod transform;
 

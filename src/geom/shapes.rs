@@ -33,6 +33,7 @@ impl<S: Shape> Shape for Placed<S> {
 
 /// A triangle. Seen from its front side, to which its normal points, the vertices are in counter-clockwise order.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Triangle {
     /// Vertex with `u = v = 0`.
     pub v0: Vec3,
@@ -75,6 +76,7 @@ impl Triangle {
 /// An axis-aligned box, closed on all sides. It may be flat. It is empty if `lo > hi` on some axis, or if it holds a
 /// NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// Least corner.
     pub lo: Vec3,
@@ -152,6 +154,7 @@ impl Aabb {
 /// Source: P. Shirley, S. Marschner et al., "Fundamentals of Computer Graphics", implicit surfaces. The kinds are
 /// those of any textbook on analytic geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quadric {
     /// Coefficients of x², y² and z².
     pub squares: Vec3,
@@ -285,6 +288,7 @@ impl Quadric {
 
 /// A shape placed in the world by an affine transform: an instance before it is prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Placed<S> {
     /// The shape in its own coordinates.
     pub shape: S,
