@@ -135,8 +135,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     ) -> Hit<f32x8> {
         if !F::ALL {
             // A filter is asked about one ray, before its hit is clamped to the instance's box.
-            let mut trace = |lane| self.trace_single::<ANY>(&ray.lane(lane), visible, scratch, counter);
-            return Hit::from_lanes(&std::array::from_fn(|lane| trace(lane)));
+            let trace = |lane| self.trace_single::<ANY>(&ray.lane(lane), visible, scratch, counter);
+            return Hit::from_lanes(&std::array::from_fn(trace));
         }
         let Scratch { upper, lower } = scratch;
         let visible = Visible { mask: visible.mask, filter: Everything };
