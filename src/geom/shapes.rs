@@ -1,6 +1,6 @@
 //! Shapes as plain data, before any kernel prepares them.
 
-use glam::{Affine3, Vec2, Vec3};
+use glam::{Affine3, DMat3, DVec3, Vec2, Vec3};
 
 /// A shape that kernels intersect.
 pub trait Shape: Copy + core::fmt::Debug + PartialEq + Send + Sync + 'static {
@@ -262,6 +262,12 @@ impl Quadric {
             + self.products.dot(Vec3::new(y * z, z * x, x * y))
             + self.linear.dot(point)
             + self.constant
+    }
+
+    /// M of `f(p) = p·Mp + …`. Nothing is rounded.
+    pub(crate) fn matrix(&self) -> DMat3 {
+        let (squares, DVec3 { x: yz, y: zx, z: xy }) = (self.squares.as_dvec3(), self.products.as_dvec3() * 0.5);
+        DMat3::from_cols(DVec3::new(squares.x, xy, zx), DVec3::new(xy, squares.y, yz), DVec3::new(zx, yz, squares.z))
     }
 
     /// The normal at a point of the surface: the gradient of `f`, of unit length. Zero where the gradient vanishes,

@@ -252,3 +252,30 @@ fn rays_leave_quadrics_on_both_sides() {
         }
     }
 }
+
+/// Far from the origin, rounding moves a start so far along a sphere that the sphere bends away below it.
+#[test]
+fn rays_leave_small_quadrics_far_away_on_both_sides() {
+    let mut random = Random::from_seed(32);
+    let mut seen = 0;
+    for _ in 0..2_000 {
+        let center = vec3(&mut random) * 1e6;
+        let world = World::new(vec![Quadric::sphere(1.0).into()], vec![place(0, Affine3::from_translation(center))]);
+        let scene = Scene::<ExactHalfOpen<f32>>::new(world.unwrap());
+        let towards = vec3(&mut random).normalize_or(Vec3::X);
+        let ray = Ray::new(center - towards * 3.0, towards);
+        let hit: Hit<f32> = scene.hit(&ray);
+        if !hit.mask {
+            continue;
+        }
+        let surface = scene.surface(&ray, &hit);
+        for (side, outside) in [(1.0, true), (-1.0, false)] {
+            let start = surface.spawn(surface.normal * side).origin;
+            let from_center = (start.as_dvec3() - center.as_dvec3()).length();
+            assert_eq!(from_center > 1.0, outside, "{ray:?} {surface:?} {from_center}");
+            assert!((from_center - 1.0).abs() < 0.3, "{ray:?} {surface:?} {from_center}");
+        }
+        seen += 1;
+    }
+    assert!(seen > 1_900, "{seen}");
+}

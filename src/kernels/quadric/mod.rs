@@ -36,7 +36,7 @@ pub use quadric_f64::QuadricF64;
 #[doc(inline)]
 pub use stable::Stable;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use wide::{f32x8, f64x8};
 
 use crate::geom::lanes::{
@@ -261,11 +261,7 @@ impl Form<f32> {
     /// about `size`. The power of two brings the discriminant to about 1, far from both ends of the range.
     fn about(shape: &Quadric, center: Vec3) -> Self {
         let (squares, products) = (shape.squares.as_dvec3(), shape.products.as_dvec3() * 0.5);
-        let m = DMat3::from_cols(
-            DVec3::new(squares.x, products.z, products.y),
-            DVec3::new(products.z, squares.y, products.x),
-            DVec3::new(products.y, products.x, squares.z),
-        );
+        let m = shape.matrix();
         let (at, h) = (center.as_dvec3(), shape.linear.as_dvec3() * 0.5);
         let linear = m * at + h;
         let constant = (linear + h).dot(at) + f64::from(shape.constant);

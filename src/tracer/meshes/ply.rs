@@ -69,7 +69,8 @@ pub fn load_ply(path: &Path) -> Result<(Mesh, MeshReport), Error> {
     }
     let Surface { positions, normals, texture_coordinates, triangles, .. } = surface;
     let vertices = positions.len();
-    let corners = triangles.clone();
+    let has_values = uses.normals || uses.texture_coordinates.is_some();
+    let corners = if has_values { triangles.clone() } else { Vec::new() };
     let mesh = Mesh::new(positions, triangles, vec![Part { first_triangle: 0, color: DEFAULT_COLOR }])
         .and_then(|mut mesh| {
             if uses.normals {

@@ -8,7 +8,7 @@ use crate::geom::{Aabb, Candidate, Hit, Mask8, Quadric, Ray};
 use crate::kernels::Kernel;
 use crate::kernels::instance::Instance;
 use crate::tracer::leaf::MeshTree;
-use crate::tracer::walk::filter::{Everything, Filter};
+use crate::tracer::walk::filter::Filter;
 
 /// A prepared instance.
 #[derive(Clone, Copy, Debug)]
@@ -64,13 +64,7 @@ impl<Q: Kernel<Shape = Quadric>> AnyQuadric for Q {
     }
 }
 
-/// The closest hit of several quadrics. Its primitive is the number of the quadric.
-#[inline(always)]
-pub(super) fn closest_hit(quadrics: &[Box<dyn AnyQuadric>], ray: &Ray<f32>) -> Hit<f32> {
-    closest_accepted_hit(quadrics, ray, &Everything)
-}
-
-/// The closest hit that counts of several quadrics.
+/// The closest hit that counts of several quadrics. Its primitive is the number of the quadric.
 #[inline(always)]
 pub(super) fn closest_accepted_hit<F: Filter>(
     quadrics: &[Box<dyn AnyQuadric>],
@@ -100,7 +94,7 @@ fn accepted_hit<F: Filter>(quadric: &dyn AnyQuadric, number: u32, ray: &Ray<f32>
     if second.mask && filter.accepts(&behind, &second) { second } else { Hit::MISS }
 }
 
-/// [`closest_hit`] in eight lanes.
+/// [`closest_accepted_hit`] in eight lanes, where every hit counts.
 #[inline(always)]
 pub(super) fn closest_hit8(quadrics: &[Box<dyn AnyQuadric>], ray: &Ray<f32x8>) -> Hit<f32x8> {
     let mut best = Hit::<f32x8>::miss();

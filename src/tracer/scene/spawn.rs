@@ -24,7 +24,7 @@
 
 use glam::{Affine3, DMat3, DVec3, Vec3};
 
-use super::surface::{ExactSurface, SurfacePoint, gradient, matrix, value};
+use super::surface::{ExactSurface, SurfacePoint, gradient, value};
 use crate::geom::{Quadric, Ray, Triangle};
 
 /// Bound on the rounding errors of a kernel's test, and of the transform of a ray, relative to the terms of their sums.
@@ -108,7 +108,7 @@ impl Footing {
                 let in_object = to_object * (point - translation);
                 let slope = (to_object.transpose() * gradient(quadric, in_object)).dot(normal);
                 let DMat3 { x_axis: x, y_axis: y, z_axis: z } =
-                    to_object.transpose() * matrix(quadric) * to_object * slope.recip();
+                    to_object.transpose() * quadric.matrix() * to_object * slope.recip();
                 let bend = [DVec3::new(x.x, y.y, z.z), DVec3::new(y.z, z.x, x.y) * 2.0];
                 (value(quadric, in_object) / slope, bend)
             }

@@ -190,12 +190,6 @@ pub(super) fn gradient(quadric: &Quadric, point: DVec3) -> DVec3 {
     squares * point * 2.0 + DVec3::new(xy * y + zx * z, xy * x + yz * z, zx * x + yz * y) + linear
 }
 
-/// The matrix of the quadric's polynomial.
-pub(super) fn matrix(quadric: &Quadric) -> DMat3 {
-    let (squares, DVec3 { x: yz, y: zx, z: xy }) = (quadric.squares.as_dvec3(), quadric.products.as_dvec3() * 0.5);
-    DMat3::from_cols(DVec3::new(squares.x, xy, zx), DVec3::new(xy, squares.y, yz), DVec3::new(zx, yz, squares.z))
-}
-
 /// Surface parameters of a quadric; see [`SurfacePoint::uv`].
 fn quadric_uv(quadric: &Quadric, point: DVec3) -> Vec2 {
     // The padding of the clip box allows hits slightly outside the clip planes.

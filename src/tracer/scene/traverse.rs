@@ -26,7 +26,7 @@ use crate::tracer::walk::stack::StackStorage;
 
 /// Memory for both levels of trees.
 #[derive(Debug)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     upper: TraversalScratch,
     lower: TraversalScratch,
 }
@@ -236,7 +236,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
 
 /// Which instances and which hits count.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Visible<F> {
+pub struct Visible<F> {
     /// An instance counts if its mask has one of these bits.
     pub(super) mask: u32,
     pub(crate) filter: F,

@@ -4,7 +4,7 @@ use glam::Affine3;
 use wide::{f32x8, u32x8};
 
 use super::faces::{Face, PreparedDisc};
-use super::instance::{AnyQuadric, Object, PreparedInstance, closest_hit};
+use super::instance::{AnyQuadric, Object, PreparedInstance, closest_accepted_hit};
 use super::world::{Geometry, Placement, World};
 use super::world_box::world_box;
 use crate::geom::{Aabb, Candidate, Hit, Quadric, Ray, Triangle};
@@ -16,6 +16,7 @@ use crate::kernels::quadric::Mixed;
 use crate::tracer::bvh::Bvh;
 use crate::tracer::leaf::MeshTree;
 use crate::tracer::meshes::Mesh;
+use crate::tracer::walk::filter::Everything;
 
 /// A [`World`] prepared for tracing. Its triangles are intersected by the kernel `K`.
 ///
@@ -147,7 +148,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
             let ray = instance.ray_to_object(ray);
             let hit = match object {
                 Object::Mesh(tree) => tree.closest_hit_brute_force(&ray),
-                Object::Quadrics(quadrics) => closest_hit(quadrics, &ray),
+                Object::Quadrics(quadrics) => closest_accepted_hit(quadrics, &ray, &Everything),
             };
             let hit = self.hit_in_world(hit, number, interval);
             if hit.is_closer_than(&best) {

@@ -8,7 +8,7 @@ use crate::geom::{Hit, Ray, Triangle};
 use crate::kernels::Kernel;
 use crate::tracer::scene::{Filtered, Scene, Scratch, Visible};
 use crate::tracer::walk::block::{self, Outcome};
-use crate::tracer::walk::filter::Filter;
+use crate::tracer::walk::filter::{Everything, Filter};
 use crate::tracer::walk::{Counter, TraversalStats};
 
 /// Rays per task. Incoherent rays become one stream per octant. A task is small enough to balance the threads and to
@@ -18,49 +18,39 @@ const CHUNK: usize = incoherent::CAPACITY;
 const PACKET_GROUP: usize = 256;
 
 /// What rays can be traced through: a [`Scene`], or a [part of one](Filtered).
-pub trait Traceable: chunk::TraceChunk {}
+pub trait Traceable: parts::Parts {}
 
 impl<K: Kernel<Shape = Triangle>> Traceable for Scene<K> {}
 
 impl<K: Kernel<Shape = Triangle>, F: Filter + Sync> Traceable for Filtered<'_, K, F> {}
 
-mod chunk {
+mod parts {
     use super::*;
 
-    /// How [`Traceable`] is traced. No other crate can implement it.
-    pub trait TraceChunk: Sync {
-        /// Traces at most [`CHUNK`] rays. With `ANY`, hits are [`ANY_HIT`](crate::tracer::walk::rays::ANY_HIT) or a
-        /// miss.
-        fn trace_chunk<const ANY: bool>(
-            &self,
-            rays: &[Ray<f32>],
-            mode: Mode,
-            hits: &mut [Hit<f32>],
-            scratch: &mut Scratch,
-        );
+    /// What [`Traceable`] consists of. No other crate can implement it.
+    pub trait Parts: Sync {
+        type Kernel: Kernel<Shape = Triangle>;
+        type Filter: Filter + Sync;
+
+        /// The scene, and what of it counts.
+        fn parts(&self) -> (&Scene<Self::Kernel>, &Visible<Self::Filter>);
     }
 
-    impl<K: Kernel<Shape = Triangle>> TraceChunk for Scene<K> {
-        fn trace_chunk<const ANY: bool>(
-            &self,
-            rays: &[Ray<f32>],
-            mode: Mode,
-            hits: &mut [Hit<f32>],
-            scratch: &mut Scratch,
-        ) {
-            super::trace_chunk::<ANY, K>(self, &Visible::EVERYTHING, rays, mode, hits, scratch, &mut ());
+    impl<K: Kernel<Shape = Triangle>> Parts for Scene<K> {
+        type Kernel = K;
+        type Filter = Everything;
+
+        fn parts(&self) -> (&Scene<K>, &Visible<Everything>) {
+            (self, &Visible::EVERYTHING)
         }
     }
 
-    impl<K: Kernel<Shape = Triangle>, F: Filter + Sync> TraceChunk for Filtered<'_, K, F> {
-        fn trace_chunk<const ANY: bool>(
-            &self,
-            rays: &[Ray<f32>],
-            mode: Mode,
-            hits: &mut [Hit<f32>],
-            scratch: &mut Scratch,
-        ) {
-            super::trace_chunk::<ANY, K>(self.scene(), self.visible(), rays, mode, hits, scratch, &mut ());
+    impl<K: Kernel<Shape = Triangle>, F: Filter + Sync> Parts for Filtered<'_, K, F> {
+        type Kernel = K;
+        type Filter = F;
+
+        fn parts(&self) -> (&Scene<K>, &Visible<F>) {
+            (self.scene(), self.visible())
         }
     }
 }
@@ -94,12 +84,13 @@ pub fn occluded(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode) -> Vec<bo
 /// If `occluded` and `rays` differ in length.
 pub fn occluded_into(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode, occluded: &mut [bool]) {
     assert_eq!(rays.len(), occluded.len(), "one outcome for each ray");
+    let (scene, visible) = scene.parts();
     let memory = || (Scratch::new(), [Hit::MISS; CHUNK]);
     occluded.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each_init(
         memory,
         |(scratch, hits), (masks, rays)| {
             let hits = &mut hits[..rays.len()];
-            scene.trace_chunk::<true>(rays, mode, hits, scratch);
+            trace_chunk::<true, _>(scene, visible, rays, mode, hits, scratch, &mut ());
             for (mask, hit) in masks.iter_mut().zip(hits) {
                 *mask = hit.mask;
             }
@@ -125,8 +116,9 @@ pub(crate) fn trace_set_into(
 
 fn trace_chunks<const ANY: bool>(scene: &impl Traceable, rays: &[Ray<f32>], mode: Mode, hits: &mut [Hit<f32>]) {
     assert_eq!(rays.len(), hits.len(), "hits and rays must have the same length");
+    let (scene, visible) = scene.parts();
     hits.par_chunks_mut(CHUNK).zip(rays.par_chunks(CHUNK)).for_each_init(Scratch::new, |scratch, (hits, rays)| {
-        scene.trace_chunk::<ANY>(rays, mode, hits, scratch);
+        trace_chunk::<ANY, _>(scene, visible, rays, mode, hits, scratch, &mut ());
     });
 }
 
