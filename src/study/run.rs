@@ -6,7 +6,7 @@ use super::figures::{claims, summary};
 use super::measure::accuracy::Kernels;
 use super::measure::operation_rates::OperationRates;
 use super::measure::survey::Survey;
-use super::measure::{coherence, machine, scaling, speed, tracer};
+use super::measure::{coherence, machine, on_scenes, scaling, speed, tracer};
 use super::peers;
 use super::progress::Progress;
 use super::record::{AbsentRow, ClaimRow, Record, SCHEMA, seconds_since_1970};
@@ -53,13 +53,22 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let thread_counts = [1, 2];
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
-    let [speed_part, accuracy_part, scenes_part, coherence_part, scaling_part] =
-        if options.quick { [0.6, 4.0, 4.7, 1.0, 0.1] } else { [50.0, 48.0, 40.0, 13.0, 6.0] };
+    let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part] =
+        if options.quick { [0.6, 4.0, 1.0, 4.7, 1.0, 0.1] } else { [50.0, 48.0, 20.0, 40.0, 13.0, 6.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
-    let parts = progress.parts(&[speed_part, accuracy_part, scenes_part, coherence_part, scaling_part, peers_part]);
-    let [speed_part, accuracy_part, scenes_part, coherence_part, scaling_part, peers_part] = &parts[..] else {
-        unreachable!("six lengths give six parts")
+    let parts = progress.parts(&[
+        speed_part,
+        accuracy_part,
+        judged_part,
+        scenes_part,
+        coherence_part,
+        scaling_part,
+        peers_part,
+    ]);
+    let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part, peers_part] = &parts[..]
+    else {
+        unreachable!("seven lengths give seven parts")
     };
 
     progress.note("kernels: preparing");
@@ -83,6 +92,11 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     errors.measure::<Placed<Quadric>>(&shapes[5]);
     let Errors { survey, claims } = errors;
 
+    let mut on_scenes = Vec::new();
+    let judged_size = if options.quick { 64 } else { 512 };
+    for (scene, progress) in judged_part.each(&options.scenes) {
+        on_scenes.extend(on_scenes::judge(scene, (judged_size, options.seed), &progress)?);
+    }
     let mut tracer_rows = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (384, 5) };
     for (scene, progress) in scenes_part.each(&options.scenes) {
@@ -117,6 +131,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
         claims,
         maps: survey.maps,
         map_cells: survey.map_cells,
+        on_scenes,
         tracer: tracer_rows,
         coherence,
         scaling,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::present::chart::charts;
-use super::present::report::{report_html, report_markdown};
+use super::present::report::{answer_markdown, appendix_markdown, report_html};
 use super::record::folder::make_folder;
 use super::record::{Record, one_row_per_line};
 use crate::files::{write_new_folder, write_together};
@@ -12,8 +12,8 @@ use crate::tracer::Error;
 /// Extensions of the files of a record.
 pub const RESULT_EXTENSIONS: [&str; 4] = ["json", "md", "html", "svg"];
 
-/// Writes a record into a folder: `results.json`, `report.md` with its charts, and the same report as one page,
-/// `report.html`. Makes the folder if it does not exist. Removes nothing, and replaces no file before all are written.
+/// Writes a record into a folder: `results.json`, the charts, `report.md` and `appendix.md`, and the same two as pages
+/// that need no other file, `report.html` and `appendix.html`. Makes the folder if it does not exist. Removes nothing, and replaces no file before all are written.
 ///
 /// # Errors
 /// If the folder or a file cannot be written.
@@ -34,10 +34,14 @@ pub fn write_new(record: &Record, folder: &Path) -> Result<(), Error> {
 /// The names and contents of the files of a record.
 fn files(record: &Record) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![("results.json".to_owned(), one_row_per_line(record).expect("a record is plain data"))];
-    let (report, charts) = (report_markdown(record), charts(record));
-    let page = report_html(&report, &charts);
+    let charts = charts(record);
+    let texts = [("report", answer_markdown(record)), ("appendix", appendix_markdown(record))];
+    let pages = texts.map(|(name, text)| {
+        let page = report_html(&text, &charts);
+        [(format!("{name}.md"), text.into_bytes()), (format!("{name}.html"), page.into_bytes())]
+    });
     files.extend(charts.into_iter().map(|chart| (chart.file, chart.svg.into_bytes())));
     // The reports come last: they refer to the charts.
-    files.extend([("report.md".to_owned(), report.into_bytes()), ("report.html".to_owned(), page.into_bytes())]);
+    files.extend(pages.into_iter().flatten());
     files
 }

@@ -40,7 +40,7 @@ fn families(claim: Claim) -> &'static [&'static str] {
 
 /// Number of violations in a row, and number of rays or pairs that were checked.
 fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
-    let count = |rate: Option<Rate>| rate.map_or([0; 2], |rate| [rate.events().round() as u64, rate.of]);
+    let count = |rate: Option<Rate>| rate.map_or([0; 2], |rate| [rate.events, rate.of]);
     match claim {
         Claim::EdgeWatertight | Claim::VertexWatertight => count(leaks(row)),
         Claim::SingleHit => {

@@ -84,7 +84,7 @@ impl Metric {
 
     fn fails(self, figure: Figure) -> bool {
         let value = match figure {
-            Figure::Rate(rate) => rate.per_million,
+            Figure::Rate(rate) => rate.per_million(),
             Figure::Ulp(ulp) => ulp as f64,
         };
         self.limit().is_some_and(|limit| value > limit)
@@ -107,7 +107,7 @@ impl Figure {
     /// The figure with its unit.
     fn in_words(self) -> String {
         match self {
-            Self::Rate(rate) => format!("{} %", number(rate.per_million / 1e4, 2)),
+            Self::Rate(rate) => format!("{} %", number(rate.per_million() / 1e4, 2)),
             Self::Ulp(ulp) => format!("{} ulp", number(ulp as f64, 3)),
         }
     }
@@ -143,12 +143,22 @@ pub(crate) enum Verdict {
 
 /// Judges a kernel in a regime; `None` if it was not measured there.
 pub(crate) fn verdict(kernel: &KernelFigures, regime: &RegimeRow) -> Option<Verdict> {
+    verdict_by(kernel, regime, |_| true)
+}
+
+/// [`verdict`] by some of the regime's metrics.
+pub(crate) fn verdict_by(
+    kernel: &KernelFigures,
+    regime: &RegimeRow,
+    counts: impl Fn(Metric) -> bool,
+) -> Option<Verdict> {
     let rows: Vec<_> = regime.steps.iter().map(|&step| kernel.at_step(&regime.name, step)).collect();
     if rows.iter().all(Option::is_none) {
         return None;
     }
     let failing = |row: &AccuracyRow| -> Vec<String> {
-        let figures = Metric::of(regime).iter().filter_map(|measure| Some((measure, measure.figure(row)?)));
+        let metrics = Metric::of(regime).iter().filter(|measure| counts(**measure));
+        let figures = metrics.filter_map(|measure| Some((measure, measure.figure(row)?)));
         let failing = figures.filter(|(measure, figure)| measure.fails(*figure));
         failing.map(|(measure, figure)| format!("{} {}", measure.name(), figure.in_words())).collect()
     };
@@ -165,10 +175,10 @@ fn minor_errors(kernel: &KernelFigures, regime: &RegimeRow) -> String {
     let worst = |measure: &Metric| {
         let figures =
             regime.steps.iter().filter_map(|&step| match measure.figure(kernel.at_step(&regime.name, step)?)? {
-                Figure::Rate(rate) if rate.per_million > 0.0 => Some(rate),
+                Figure::Rate(rate) if rate.events > 0 => Some(rate),
                 _ => None,
             });
-        let worst = figures.max_by(|a, b| a.per_million.total_cmp(&b.per_million))?;
+        let worst = figures.max_by(|a, b| a.per_million().total_cmp(&b.per_million()))?;
         Some(format!("{} up to {}", measure.name(), Figure::Rate(worst).in_words()))
     };
     Metric::of(regime).iter().filter_map(worst).collect::<Vec<_>>().join(", ")

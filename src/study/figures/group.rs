@@ -1,7 +1,7 @@
 //! Groups of kernels that can be compared with each other, and which rays count as lost in each group.
 
-use super::kernel::{KernelFigures, fastest_of, rows_of};
-use super::rate::{Rate, leaks, lost_by_boxes};
+use super::kernel::{Failures, KernelFigures, fastest_of, rows_of};
+use super::rate::{Rate, false_hits, leaks, lost_by_boxes};
 use crate::study::record::{AccuracyRow, MethodRow, Record, RegimeRow};
 
 /// Kernels that can be compared: those of one shape. Instances of a shape are a group of their own.
@@ -18,8 +18,8 @@ pub(crate) struct Group<'a> {
     pub(crate) shape: &'a str,
     /// Which rays [`KernelFigures::lost`] counts.
     pub(crate) loss: Loss,
-    /// The workloads that [`KernelFigures::lost`] takes the worst of.
-    pub(crate) loss_workloads: Vec<&'a str>,
+    /// The workloads that decide which kernel is right: their rays are aimed where kernels fail.
+    pub(crate) deciding: Vec<&'a str>,
     /// The kernels, in the order of the record.
     pub(crate) kernels: Vec<KernelFigures<'a>>,
 }
@@ -52,6 +52,18 @@ impl Group<'_> {
         self.title == self.shape
     }
 
+    /// The fastest of the kernels with the fewest wrong answers, and all that tie with it in both.
+    pub(crate) fn safest(&self) -> Vec<&KernelFigures<'_>> {
+        fastest_of(self.kernels.iter().filter(|kernel| self.is_among_the_safest(kernel)), "8x1")
+    }
+
+    /// Whether no kernel of the group has fewer wrong answers, beyond chance.
+    pub(crate) fn is_among_the_safest(&self, kernel: &KernelFigures) -> bool {
+        let by_rate = |a: &Rate, b: &Rate| a.per_million().total_cmp(&b.per_million());
+        let least = self.kernels.iter().filter_map(|kernel| kernel.wrong).min_by(by_rate);
+        least.zip(kernel.wrong).is_some_and(|(least, own)| own.ties_with(least))
+    }
+
     /// The meaning of [`KernelFigures::lost`] in words: the lost rays, the base of the rate, and the workloads.
     pub(crate) fn lost_means(&self) -> String {
         let what = match self.loss {
@@ -59,8 +71,7 @@ impl Group<'_> {
             Loss::WithBoundary => "lost rays (false misses and missed boundary hits) per million that exactly hit",
             Loss::Strict => "lost rays (false misses) per million that exactly hit, boundary hits excluded",
         };
-        let worst = if self.loss_workloads.len() > 1 { "worst of" } else { "on" };
-        format!("{what}; {worst} {}", self.loss_workloads.join(", "))
+        format!("{what}; all rays of {}", self.deciding.join(", "))
     }
 }
 
@@ -77,8 +88,6 @@ pub(crate) enum Loss {
 }
 
 impl Loss {
-    pub(crate) const ALL: [Self; 3] = [Self::Leaks, Self::WithBoundary, Self::Strict];
-
     /// The definition for a shape; `mesh` says whether its kernels were tested on meshes.
     fn for_shape(shape: &str, mesh: bool) -> Self {
         match (shape, mesh) {
@@ -89,7 +98,7 @@ impl Loss {
     }
 
     /// The rate of lost rays in a row.
-    fn rate(self, row: &AccuracyRow) -> Option<Rate> {
+    pub(crate) fn rate(self, row: &AccuracyRow) -> Option<Rate> {
         match self {
             Self::Leaks => leaks(row),
             Self::WithBoundary => lost_by_boxes(row),
@@ -163,31 +172,30 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
     let suffix = common_suffix(kernels, prefix);
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
     let loss = Loss::for_shape(shape, mesh);
-    let loss_workloads = workloads_aimed_at_losses(record, shape, loss, kernels);
+    let deciding = deciding_workloads(record, shape, loss, kernels);
     let kernels = kernels
         .iter()
         .map(|&kernel| {
-            let rows = rows_of(record, &kernel.id).filter(|row| loss_workloads.contains(&row.workload.as_str()));
-            let rates = rows.filter_map(|row| Some((loss.rate(row)?, row)));
-            let rates: Vec<(Rate, &AccuracyRow)> = rates.collect();
-            let worst = rates.iter().max_by(|(a, _), (b, _)| a.per_million.total_cmp(&b.per_million));
-            // If no ray was lost anywhere, the zero is about all of these rays.
-            let all = rates.iter().map(|(rate, _)| rate.of).sum();
-            let lost = worst.map(|(rate, _)| if rate.per_million == 0.0 { Rate { of: all, ..*rate } } else { *rate });
+            let rows = || rows_of(record, &kernel.id).filter(|row| deciding.contains(&row.workload.as_str()));
+            let (lost, false_hits) = (Failures::over(rows(), |row| loss.rate(row)), Failures::over(rows(), false_hits));
+            let rates = [lost.map(|lost| lost.rate), false_hits.map(|false_hits| false_hits.rate)];
+            // A false hit of a bounding box only costs a look inside.
+            let counted = if loss == Loss::WithBoundary { 1 } else { 2 };
             KernelFigures {
                 method: kernel,
                 name: kernel.id[prefix.len()..kernel.id.len() - suffix.len()].replace(&format!("/{shape}/"), "/"),
                 lost,
-                lost_in: worst.filter(|(rate, _)| rate.per_million > 0.0).map(|&(_, row)| row),
+                false_hits,
+                wrong: Rate::sum(rates.into_iter().take(counted).flatten()),
                 record,
             }
         })
         .collect();
-    Group { title, prefix: prefix.to_owned(), subject, shape, loss, loss_workloads, kernels }
+    Group { title, prefix: prefix.to_owned(), subject, shape, loss, deciding, kernels }
 }
 
-/// The workloads whose rays are aimed where a kernel may lose rays.
-fn workloads_aimed_at_losses<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&MethodRow]) -> Vec<&'a str> {
+/// The workloads whose rays are aimed where kernels fail.
+fn deciding_workloads<'a>(record: &'a Record, shape: &str, loss: Loss, kernels: &[&MethodRow]) -> Vec<&'a str> {
     let loses = |regime: &&RegimeRow| regime.family == shape && loss.concerns(regime);
     let measured =
         |workload: &&str| kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.workload == *workload));

@@ -13,11 +13,12 @@ pub(crate) struct KernelFigures<'a> {
     /// The part of its ID that distinguishes it within its group. For an instance, the family of the inner kernel is
     /// left out, because the group's title names it.
     pub(crate) name: String,
-    /// Lost rays, as the group defines them. The worst workload and severity counts. If no ray was lost in any of them,
-    /// all of them together.
-    pub(crate) lost: Option<Rate>,
-    /// The row with the most lost rays per million; `None` if no ray was lost.
-    pub(crate) lost_in: Option<&'a AccuracyRow>,
+    /// Lost rays, as the group defines them.
+    pub(crate) lost: Option<Failures<'a>>,
+    /// Hits of what the ray exactly misses. In a mesh, double hits are among them.
+    pub(crate) false_hits: Option<Failures<'a>>,
+    /// Both together; for boxes, lost rays alone.
+    pub(crate) wrong: Option<Rate>,
     pub(super) record: &'a Record,
 }
 
@@ -77,9 +78,32 @@ impl<'a> KernelFigures<'a> {
         self.accuracy("generic").and_then(ulp_p99)
     }
 
-    /// Whether any ray was lost.
-    pub(crate) fn loses(&self) -> bool {
-        self.lost.is_some_and(|lost| lost.per_million > 0.0)
+    /// Whether any answer was wrong.
+    pub(crate) fn errs(&self) -> bool {
+        self.wrong.is_some_and(|wrong| wrong.events > 0)
+    }
+}
+
+/// Failures of one kind over the workloads that decide. All kernels of a group get the same rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Failures<'a> {
+    /// All workloads together.
+    pub(crate) rate: Rate,
+    /// The row with the highest rate, and that rate; `None` if nothing failed.
+    pub(crate) worst: Option<(&'a AccuracyRow, Rate)>,
+}
+
+impl<'a> Failures<'a> {
+    pub(super) fn over(
+        rows: impl Iterator<Item = &'a AccuracyRow>,
+        rate: impl Fn(&AccuracyRow) -> Option<Rate>,
+    ) -> Option<Self> {
+        let rates: Vec<_> = rows.filter_map(|row| Some((row, rate(row)?))).collect();
+        let failing = rates.iter().filter(|(_, rate)| rate.events > 0).copied();
+        Some(Self {
+            rate: Rate::sum(rates.iter().map(|&(_, rate)| rate))?,
+            worst: failing.max_by(|(_, a), (_, b)| a.per_million().total_cmp(&b.per_million())),
+        })
     }
 }
 

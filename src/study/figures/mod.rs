@@ -7,6 +7,7 @@ mod format;
 mod group;
 mod kernel;
 mod limit;
+pub(crate) mod on_scenes;
 pub(crate) mod peers;
 mod rate;
 pub(crate) mod summary;
@@ -14,5 +15,5 @@ pub(crate) mod tracer;
 
 pub(crate) use format::{MISSING, count, number, optional, percent, severity, si, times};
 pub(crate) use group::{Group, Loss, groups, groups_of_methods};
-pub(crate) use kernel::{KernelFigures, fastest_of, thread_counts, tied};
+pub(crate) use kernel::{Failures, KernelFigures, thread_counts, tied};
 pub(crate) use rate::Rate;

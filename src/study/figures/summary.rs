@@ -14,10 +14,9 @@ pub(crate) fn kernels(record: &Record) -> Vec<KernelRow> {
 fn row(record: &Record, method: &MethodRow, speed: &SpeedRow) -> KernelRow {
     let rows = || record.accuracy.iter().filter(|row| row.id == method.id);
     let generic = rows().find(|row| row.workload == "generic" && row.severity.is_none());
-    let rate = |rate: Option<Rate>| rate.map(|rate| rate.per_million);
-    let worst = |figure: fn(&AccuracyRow) -> Option<Rate>| {
-        rows().filter_map(figure).map(|rate| rate.per_million).reduce(f64::max)
-    };
+    let rate = |rate: Option<Rate>| rate.map(Rate::per_million);
+    let worst =
+        |figure: fn(&AccuracyRow) -> Option<Rate>| rows().filter_map(figure).map(Rate::per_million).reduce(f64::max);
     let ulp = |figure: fn(&AccuracyRow) -> u64| generic.filter(|row| ulp_p99(row).is_some()).map(figure);
     let lanes = if speed.width == "1x1" { 1 } else { 8 };
     // One ray against eight primitives reads eight numbers wherever eight rays read one.

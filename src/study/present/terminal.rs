@@ -4,7 +4,8 @@ use super::grid::{Cell, Grid};
 use super::verdict::verdict;
 use crate::study::figures::tracer::{TracedSet, modes};
 use crate::study::figures::{
-    KernelFigures, MISSING, count, groups, groups_of_methods, number, optional, percent, severity, thread_counts, times,
+    Failures, KernelFigures, MISSING, count, groups, groups_of_methods, number, optional, percent, severity,
+    thread_counts, times,
 };
 use crate::study::record::Record;
 
@@ -18,8 +19,9 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
              ns: nanoseconds per test of one ray against one primitive, one thread. gain: time of 1x1 over 8x1.\n\
              limit: the machine's least time for the kernel's operations, over the time of 8x1.\n\
              Mt/s: million tests per second, 8x1. Green: the best, and all that tie with it.\n\
-             lost: rays that exactly hit but are reported to miss, per million, in the worst workload (\"in\").\n\
-             0 (< b): none was lost; b is the 95 % bound. ulp: 99th percentile of the error of t, generic rays.\n";
+             lost: rays that exactly hit but are reported to miss; false: exact misses reported as hits, double hits\n\
+             among them. Both per million rays aimed where kernels fail. worst in: where most are lost.\n\
+             0 (< b): none; b is the 95 % bound. ulp: 99th percentile of the error of t, generic rays.\n";
     if let Some(claims) = claims(record) {
         text += &claims;
     }
@@ -31,7 +33,7 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
                  auto/best: auto over the faster of single and packet. gain: auto over scalar.\n\
                  scaling: auto with several threads over auto with one.\n";
     }
-    let verdict = verdict(&groups(record));
+    let verdict = verdict(record, &groups(record));
     if !verdict.is_empty() {
         text += "\n";
         // A terminal does not show Markdown emphasis.
@@ -57,9 +59,16 @@ fn claims(record: &Record) -> Option<String> {
     (!broken.is_empty() || !kept.is_empty()).then_some(text)
 }
 
+/// Failures per million of the rays that decide.
+fn rate(failures: Option<Failures>) -> Cell {
+    let rate = failures.map(|failures| failures.rate);
+    Cell::from(rate.map_or(MISSING.to_owned(), |rate| rate.to_string()))
+        .bad_if(rate.is_some_and(|rate| rate.events > 0))
+}
+
 /// The workload that loses the most rays per million; empty if none is lost.
 fn lost_in(kernel: &KernelFigures) -> String {
-    kernel.lost_in.map_or(String::new(), |row| match row.severity {
+    kernel.lost.and_then(|lost| lost.worst).map_or(String::new(), |(row, _)| match row.severity {
         Some(step) => format!("{} {}", row.workload, severity(step)),
         None => row.workload.clone(),
     })
@@ -69,7 +78,7 @@ fn kernel_grid(record: &Record) -> Grid {
     let threads = thread_counts(record.speed.iter().map(|row| row.threads));
     let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain", "limit"]);
     grid.header.extend(threads.iter().map(|threads| Cell::from(format!("Mt/s {threads}T"))));
-    grid.header.extend(["lost", "in", "ulp"].map(Cell::from));
+    grid.header.extend(["lost", "false", "worst in", "ulp"].map(Cell::from));
     for group in groups_of_methods(record) {
         grid.rows.push(vec![Cell::from(group.heading())]);
         let ulp = group.kernels.iter().filter_map(KernelFigures::ulp).min();
@@ -82,9 +91,7 @@ fn kernel_grid(record: &Record) -> Grid {
                 Cell::from(percent(kernel.limit_share())),
             ];
             row.extend(threads.iter().map(|&threads| Cell::from(optional(kernel.mtests("8x1", threads), 3))));
-            row.push(
-                Cell::from(kernel.lost.map_or(MISSING.to_owned(), |lost| lost.to_string())).bad_if(kernel.loses()),
-            );
+            row.extend([rate(kernel.lost), rate(kernel.false_hits)]);
             row.push(Cell::from(lost_in(kernel)));
             row.push(Cell::from(kernel.ulp().map_or(MISSING.to_owned(), count)).best_if(kernel.ulp() == ulp));
             grid.rows.push(row);

@@ -1,131 +1,137 @@
 //! The verdict: which kernel to use, what that costs, and how noisy the timings were. It opens the report and ends the
 //! table on the terminal.
 
-use crate::study::figures::{
-    Group, KernelFigures, Loss, MISSING, count, fastest_of, number, severity, si, tied, times,
-};
+use crate::study::figures::on_scenes::Answers;
+use crate::study::figures::{Failures, Group, KernelFigures, Loss, count, number, severity, si, tied, times};
 use crate::study::measure::stats::median;
-use crate::study::record::{Record, SpeedRow};
+use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
 /// The report warns if the median absolute deviation of the timings exceeds this share of the median.
 const NOISY: f64 = 0.05;
 
 /// The lines of the verdict, in Markdown: which kernel of each family to use, and what the alternatives cost.
-pub(crate) fn verdict(groups: &[Group]) -> Vec<String> {
+pub(crate) fn verdict(record: &Record, groups: &[Group]) -> Vec<String> {
+    let titles = [("triangle", "Triangles"), ("aabb", "Boxes"), ("quadric", "Quadrics")];
     let base = |shape: &str| groups.iter().find(|group| group.is_base() && group.shape == shape);
-    let mut lines: Vec<String> = Vec::new();
-    if let Some(triangles) = base("triangle") {
-        lines.extend(recommended(triangles, "Triangles"));
-        lines.extend(if_speed_is_all(triangles));
-        lines.extend(if_t_must_be_exact(triangles));
-    }
-    lines.extend(base("aabb").and_then(|group| Some(recommended(group, "Boxes")? + &price(group)?)));
-    lines.extend(base("quadric").and_then(|group| Some(recommended(group, "Quadrics")? + &price(group)?)));
-    lines
+    let lines = |(shape, title)| base(shape).map(|group| lines(record, group, title)).unwrap_or_default();
+    titles.into_iter().flat_map(lines).collect()
 }
 
 /// The verdict as a Markdown list; `None` if there is no verdict.
-pub(crate) fn verdict_list(groups: &[Group]) -> Option<String> {
-    let lines: Vec<_> = verdict(groups).into_iter().map(|line| format!("- {line}")).collect();
+pub(crate) fn verdict_list(record: &Record, groups: &[Group]) -> Option<String> {
+    let lines: Vec<_> = verdict(record, groups).into_iter().map(|line| format!("- {line}")).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
-/// The fastest of the kernels that lose the fewest rays, and all that tie with it.
-fn safest<'k, 'a: 'k>(group: &'k Group<'a>) -> Vec<&'k KernelFigures<'a>> {
-    let lost = |kernel: &KernelFigures| kernel.lost.map(|lost| lost.per_million);
-    // All zeros count as equal, however many rays they stand for.
-    let least = group.kernels.iter().filter_map(lost).reduce(f64::min);
-    fastest_of(group.kernels.iter().filter(|kernel| least.is_some() && lost(kernel) == least), "8x1")
+/// The lines about one group: the kernel to use, and the fastest one if that is another.
+fn lines(record: &Record, group: &Group, title: &str) -> Vec<String> {
+    let (safest, fastest) = (group.safest(), group.fastest(PACKET));
+    let [best, ties @ ..] = &safest[..] else { return Vec::new() };
+    let mut lines: Vec<_> = recommended(record, group, title, best, ties).into_iter().collect();
+    match &fastest[..] {
+        [] => {}
+        kernels if kernels.iter().any(|kernel| kernel.name == best.name) => {
+            lines.push(format!(
+                "No kernel for {} is faster than `{}` by more than the noise.",
+                plural(group),
+                best.name
+            ));
+        }
+        [first, ties @ ..] => lines.extend(faster(record, group, first, ties, best)),
+    }
+    lines
 }
+
+/// The shape of a group in the plural.
+fn plural(group: &Group) -> String {
+    if group.shape == "aabb" { "boxes".into() } else { format!("{}s", group.shape) }
+}
+
+const PACKET: &str = "8x1";
 
 /// The names of kernels that tie with the one before, in brackets.
-fn equally_fast(ties: &[&KernelFigures]) -> String {
+fn tied_with(ties: &[&KernelFigures]) -> String {
     let names: Vec<_> = ties.iter().map(|kernel| format!("`{}`", kernel.name)).collect();
-    if names.is_empty() { String::new() } else { format!(" (equally fast: {})", names.join(", ")) }
+    if names.is_empty() { String::new() } else { format!(" (tied: {})", names.join(", ")) }
 }
 
-fn packet_speed(kernel: &KernelFigures) -> Option<f64> {
-    kernel.speed("8x1", 1).map(|row| row.tests_per_second)
-}
-
-/// The kernel of a group to use: how many rays it loses, and how fast it is.
-fn recommended(group: &Group, title: &str) -> Option<String> {
-    let [best, ties @ ..] = &safest(group)[..] else { return None };
-    let lost = best.lost?;
-    let loses = if best.loses() {
-        format!("loses the fewest rays, {}", at_worst(best)?)
+/// The kernel of a group to use: how often it is wrong, and how fast it is.
+fn recommended(
+    record: &Record,
+    group: &Group,
+    title: &str,
+    best: &KernelFigures,
+    ties: &[&KernelFigures],
+) -> Option<String> {
+    let wrong = best.wrong?;
+    let aimed = if best.errs() {
+        format!("has the fewest wrong answers: {}", failures(group, best)?)
     } else {
         let hard = match group.loss {
-            Loss::Leaks => "edges and vertices, where other kernels leak",
-            Loss::WithBoundary => "edges, corners and thin boxes, where other kernels lose rays",
-            Loss::Strict => "silhouettes, rims and distant surfaces, where other kernels lose rays",
+            Loss::Leaks => "edges and vertices",
+            Loss::WithBoundary => "edges, corners and thin boxes",
+            Loss::Strict => "silhouettes, rims and distant surfaces",
         };
-        format!("lost 0 of {} rays aimed at {hard}", si(lost.of as f64, 3))
+        format!("gave no wrong answer to {} rays aimed at {hard}", si(best.lost?.rate.of as f64, 3))
+            + &format!(" (95 %: fewer than {} per million)", number(wrong.or_bound(), 2))
     };
-    let speed = si(packet_speed(best)?, 3);
-    Some(format!("**{title}: `{}`**{} {loses}. Speed: {speed} tests/s.", best.name, equally_fast(ties)))
-}
-
-/// The largest share of rays that a kernel loses, and in which workload.
-fn at_worst(kernel: &KernelFigures) -> Option<String> {
-    let place = kernel.lost_in.map_or(String::new(), |row| match row.severity {
-        Some(step) => format!(" ({}, severity {})", row.workload.replace('_', " "), severity(step)),
-        None => format!(" ({}s)", row.workload),
-    });
-    Some(format!("up to {} %{place}", number(kernel.lost?.per_million / 1e4, 2)))
-}
-
-/// The fastest kernel, and how many rays it loses.
-fn if_speed_is_all(group: &Group) -> Option<String> {
-    let (fastest, safest) = (group.fastest("8x1"), safest(group));
-    let ([first, ties @ ..], best) = (&fastest[..], safest.first()?) else { return None };
-    if fastest.iter().any(|kernel| kernel.name == best.name) {
-        return Some(format!("**No kernel is faster:** none beats `{}` by more than the noise.", best.name));
-    }
+    let pictures = in_pictures(record, best).map_or(String::new(), |text| format!(", and {text}"));
     Some(format!(
-        "**If only speed counts: `{}`**{} is {} as fast, but loses {}.",
-        first.name,
-        equally_fast(ties),
-        times(Some(packet_speed(first)? / packet_speed(best)?)),
-        at_worst(first)?
-    ))
-}
-
-/// The kernel with the most accurate `t`, and what it costs.
-fn if_t_must_be_exact(group: &Group) -> Option<String> {
-    let least = group.kernels.iter().filter_map(KernelFigures::ulp).min()?;
-    let exact = fastest_of(group.kernels.iter().filter(|kernel| kernel.ulp() == Some(least)), "8x1");
-    let (first, safest) = (exact.first()?, safest(group));
-    let best = safest.first()?;
-    if best.ulp() == Some(least) {
-        return Some(format!("**No `t` is more accurate:** `{}` {} (99th percentile).", best.name, error_of_t(least)));
-    }
-    let loses = if first.loses() { format!(", and loses {}", at_worst(first)?) } else { String::new() };
-    Some(format!(
-        "**If `t` must be exact: `{}`** {} where `{}` is off by up to {} ulp (99th percentile). It takes {} the \
-         time{loses}.",
-        first.name,
-        error_of_t(least),
+        "**{title}: `{}`**{} {aimed}{pictures}. Speed: {} tests/s.",
         best.name,
-        best.ulp().map_or(MISSING.into(), count),
-        times(Some(packet_speed(best)? / packet_speed(first)?)),
+        tied_with(ties),
+        si(best.speed(PACKET, 1)?.tests_per_second, 3)
     ))
 }
 
-/// The 99th percentile of the error of `t`, in words.
-fn error_of_t(ulp: u64) -> String {
-    if ulp == 0 { "rounds `t` correctly".into() } else { format!("is off by up to {} ulp", count(ulp)) }
+/// A faster kernel: how much faster it is at each width, and how often it is wrong.
+fn faster(
+    record: &Record,
+    group: &Group,
+    first: &KernelFigures,
+    ties: &[&KernelFigures],
+    best: &KernelFigures,
+) -> Option<String> {
+    let widths = ["8x1", "1x1", "1x8"].map(|width| {
+        let gain = best.ns(width).zip(first.ns(width)).map(|(best, first)| best / first);
+        format!("{} ({width})", times(gain))
+    });
+    let pictures = in_pictures(record, first).map_or(String::new(), |text| format!("; {text}"));
+    Some(format!(
+        "`{}`{} is faster, {}, but wrong: {}{pictures}.",
+        first.name,
+        tied_with(ties),
+        widths.join(", "),
+        failures(group, first)?
+    ))
 }
 
-/// The speed and the lost rays of a group's fastest kernel, as a sentence after the recommendation.
-fn price(group: &Group) -> Option<String> {
-    let (fastest, safest) = (group.fastest("8x1"), safest(group));
-    let (first, best) = (fastest.first()?, safest.first()?);
-    if fastest.iter().any(|kernel| kernel.name == best.name) {
-        return Some(" No kernel is faster.".into());
+/// The highest rates at which a kernel fails, and where.
+fn failures(group: &Group, kernel: &KernelFigures) -> Option<String> {
+    let worst = |what: &str, failures: Option<Failures>| {
+        let (row, rate) = failures?.worst?;
+        Some(format!("{what} {} % in the worst regime measured ({})", number(rate.per_million() / 1e4, 2), place(row)))
+    };
+    let lost = worst("loses", kernel.lost);
+    // A false hit of a bounding box is harmless.
+    let false_hits = if group.loss == Loss::WithBoundary { None } else { worst("false hits:", kernel.false_hits) };
+    let both: Vec<_> = [lost, false_hits].into_iter().flatten().collect();
+    (!both.is_empty()).then(|| both.join(", "))
+}
+
+/// A workload, and its severity.
+fn place(row: &AccuracyRow) -> String {
+    match row.severity {
+        Some(step) => format!("{} {}", row.workload.replace('_', " "), severity(step)),
+        None => format!("{} rays", row.workload),
     }
-    let gain = times(Some(packet_speed(first)? / packet_speed(best)?));
-    Some(format!(" `{}` is {gain} as fast, but loses {}.", first.name, at_worst(first)?))
+}
+
+/// How many rays of the scenes' pictures a kernel gets wrong.
+fn in_pictures(record: &Record, kernel: &KernelFigures) -> Option<String> {
+    let answers = Answers::in_pictures(record, &kernel.method.id)?;
+    let wrong = answers.wrong();
+    Some(format!("{} of {} rays of whole pictures are wrong", count(wrong.events), si(wrong.of as f64, 3)))
 }
 
 /// How far the median sample is away from its median, relative to it; `None` if there are no timings.

@@ -23,4 +23,4 @@ pub use kernels::{AbsentRow, KernelRow, MethodRow, OperationCounts, RateRow, Spe
 pub use machine::Machine;
 pub use peers::{EMBREE, OURS, PeerRow, PeersRecord, TargetRow};
 pub use study::{Record, SCHEMA};
-pub use tracer::{CoherenceRow, ScalingRow, TracerRow};
+pub use tracer::{CoherenceRow, OnSceneRow, ScalingRow, TracerRow};

@@ -36,6 +36,36 @@ pub struct TracerRow {
     pub checksum: String,
 }
 
+/// The answers of one kernel on the rays of a picture, compared with the exact ones of the whole scene.
+///
+/// A ray ends at the first solid hit: inside a primitive, or on an edge or a vertex that several triangles of an
+/// instance share and all turn the same side to. A boundary before it, such as a silhouette, may be reported or not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct OnSceneRow {
+    /// Scene name.
+    pub scene: String,
+    /// Set of rays: as in [`TracerRow::rays`], or `edges`: from the eye at random points on edges that it sees.
+    pub rays: String,
+    /// Kernel ID. The other shapes of the scene use the tracer's own kernels.
+    pub kernel: String,
+    /// Number of rays: the base of all rates.
+    pub ray_count: u64,
+    /// Rays that exactly end at a solid hit.
+    pub solid: u64,
+    /// Rays that only touch boundaries, so that either answer is right.
+    pub open: u64,
+    /// Rays that end at a surface, but are reported to miss it: to hit nothing, or something farther away.
+    pub lost: u64,
+    /// Rays that are reported to hit something that they exactly miss.
+    pub false_hits: u64,
+    /// Rays that are reported to hit a triangle which they exactly miss, but which has a vertex in common with the
+    /// right one. The place is right up to rounding. Not counted in `false_hits`.
+    pub neighbours: u64,
+    /// Hash of the bits of every hit.
+    pub checksum: String,
+}
+
 /// Throughput of the tracer on the rays of a picture, each turned at random. Closest hit, one thread.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

@@ -73,6 +73,7 @@ pub(crate) fn record_of(ids: &[String]) -> Record {
         claims: Vec::new(),
         maps: maps(),
         map_cells: Vec::new(),
+        on_scenes: Vec::new(),
         tracer: tracer_rows(),
         coherence: ["terrain:1e5", "room"].into_iter().flat_map(coherence_rows).collect(),
         scaling: scaling_rows(),

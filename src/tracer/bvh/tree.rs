@@ -48,7 +48,7 @@ pub(crate) struct Extent {
 }
 
 /// A tree over items.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Bvh {
     /// Parents before children.
     pub(crate) nodes: Vec<Node>,

@@ -33,20 +33,31 @@ pub(super) struct LeafTriangles<K: Kernel> {
 impl<K: Kernel<Shape = Triangle>> MeshTree<K> {
     /// Builds the tree and prepares the triangles, on all threads of the current rayon pool.
     pub(crate) fn new(mesh: &Mesh) -> Self {
+        let mut bvh = Bvh::build(mesh.len(), |primitive| mesh.triangle(primitive).bounds());
+        let leaves = std::mem::take(&mut bvh.leaves);
+        Self::prepare(bvh, &leaves, mesh)
+    }
+
+    /// The same tree, with the mesh's triangles prepared for the kernel `L`.
+    #[cfg(feature = "study")]
+    pub(crate) fn prepared_for<L: Kernel<Shape = Triangle>>(&self, mesh: &Mesh) -> MeshTree<L> {
+        let leaves: Vec<_> = self.leaves.iter().map(|leaf| leaf.numbers).collect();
+        MeshTree::prepare(self.bvh.clone(), &leaves, mesh)
+    }
+
+    /// Prepares the triangles of a tree whose list of leaves is given apart.
+    fn prepare(bvh: Bvh, numbers: &[Leaf], mesh: &Mesh) -> Self {
         use rayon::prelude::*;
 
-        let bounds_of = |primitive| mesh.triangle(primitive).bounds();
-        let mut bvh = Bvh::build(mesh.len(), bounds_of);
         let triangle = |primitive| if primitive == Leaf::NONE { Triangle::MISSED } else { mesh.triangle(primitive) };
         let gather = |&numbers: &Leaf| LeafTriangles {
             prepared: K::gather(&numbers.0.map(|item| K::prepare(&triangle(item)))),
             numbers,
         };
-        let numbers = std::mem::take(&mut bvh.leaves);
         let leaves: Vec<_> = numbers.par_iter().map(gather).collect();
         let kernel_knows_boxes =
             leaves.first().is_none_or(|leaf: &LeafTriangles<K>| K::bounds(&leaf.prepared).is_some());
-        let of_leaf = |leaf: &Leaf| Boxes::of_items(leaf, bounds_of);
+        let of_leaf = |leaf: &Leaf| Boxes::of_items(leaf, |primitive| mesh.triangle(primitive).bounds());
         let boxes = if kernel_knows_boxes { Vec::new() } else { numbers.par_iter().map(of_leaf).collect() };
         Self { bvh, leaves, boxes }
     }

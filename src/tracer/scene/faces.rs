@@ -100,7 +100,7 @@ impl Face {
     }
 
     /// The face as a quadric: of a disc, the square around it.
-    pub(super) fn quadric(&self) -> Quadric {
+    pub(crate) fn quadric(&self) -> Quadric {
         match self {
             Self::Quadric(quadric) => *quadric,
             Self::Disc(disc) => disc.square(),

@@ -59,17 +59,31 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
 
     /// [`Scene::new`] with the kernel `Q` for quadrics.
     pub fn with_quadrics<Q: Kernel<Shape = Quadric>>(world: World) -> Self {
-        Self::build(world, |quadric| Box::new(Q::prepare(quadric)))
+        Self::build(world, &mut MeshTree::new, prepared::<Q>)
     }
 
-    /// Not generic over the kernel of quadrics, so the code for triangles is compiled once.
-    fn build(world: World, prepare: fn(&Quadric) -> Box<dyn AnyQuadric>) -> Self {
+    /// The same world and the same trees for the kernel `L`, as [`Scene::new`] would make them. Building is the slow
+    /// part, and it does not depend on the kernel.
+    #[cfg(feature = "study")]
+    pub(crate) fn prepared_for<L: Kernel<Shape = Triangle>>(&self) -> Scene<L> {
+        let mut trees = self.trees.iter();
+        let mut next = |mesh: &Mesh| trees.next().expect("one tree for each mesh").prepared_for(mesh);
+        Scene::build(self.world.clone(), &mut next, prepared::<Mixed<f32>>)
+    }
+
+    /// `tree` makes the tree of each mesh, in order. Not generic over the kernel of quadrics, so the code for triangles
+    /// is compiled once.
+    fn build(
+        world: World,
+        tree: &mut dyn FnMut(&Mesh) -> MeshTree<K>,
+        prepare: fn(&Quadric) -> Box<dyn AnyQuadric>,
+    ) -> Self {
         let (mut prepared, mut trees, mut quadrics) = (Vec::new(), Vec::new(), Vec::<Box<dyn AnyQuadric>>::new());
         let mut first_primitive = 0;
         for geometry in world.geometries() {
             let of_its_kind = match geometry {
                 Geometry::Mesh(mesh) => {
-                    trees.push(MeshTree::new(mesh));
+                    trees.push(tree(mesh));
                     trees.len() - 1
                 }
                 Geometry::Quadric(quadric) => {
@@ -203,6 +217,11 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     pub(super) fn first_primitive(&self, instance: u32) -> u32 {
         self.prepared[self.instances[instance as usize].geometry as usize].first_primitive
     }
+}
+
+/// A quadric, prepared for the kernel `Q`.
+fn prepared<Q: Kernel<Shape = Quadric>>(quadric: &Quadric) -> Box<dyn AnyQuadric> {
+    Box::new(Q::prepare(quadric))
 }
 
 impl<K: Kernel<Shape = Triangle>> From<Mesh> for Scene<K> {

@@ -101,7 +101,7 @@ fn briefly(group: &Group) -> [String; 2] {
         _ => what.into(),
     };
     let hits = group.kernels.iter().filter_map(|kernel| kernel.accuracy("generic")).map(|row| row.agreed_hits);
-    let rays = group.kernels.iter().filter_map(|kernel| kernel.lost).map(|lost| lost.of);
+    let rays = group.kernels.iter().filter_map(|kernel| kernel.lost).map(|lost| lost.rate.of);
     let lost = match group.loss {
         Loss::Leaks => "leaks per million rays that hit a mesh",
         Loss::WithBoundary | Loss::Strict => "lost rays per million that hit",
@@ -146,7 +146,7 @@ fn legend(root: &Area, top: i32) -> Drawn {
 
 /// The two panels of a group: the error of `t`, and lost rays.
 fn panels<'a>(group: &'a Group, [error, lost]: [String; 2]) -> [Panel<'a>; 2] {
-    let rate = |kernel: &KernelFigures| kernel.lost.map(|lost| (lost.or_bound(), lost.per_million == 0.0));
+    let rate = |kernel: &KernelFigures| kernel.lost.map(|lost| (lost.rate.or_bound(), lost.rate.events == 0));
     let ulp = |kernel: &KernelFigures| kernel.ulp().map(|ulp| (ulp as f64, false));
     let panel = |title: String, possible, series| Panel { title, possible, threshold: None, frontier: true, series };
     [panel(error, 1.0..=f64::INFINITY, series(group, ulp)), panel(lost, 0.0..=1e6, series(group, rate))]
@@ -197,7 +197,7 @@ fn tooltip(group: &Group, kernel: &KernelFigures, width: &str) -> String {
         text += &format!(", error of t {} ulp", count(ulp));
     }
     if let Some(lost) = kernel.lost {
-        text += &format!(", {} {lost} per million", if group.loss == Loss::Leaks { "leaks" } else { "lost" });
+        text += &format!(", {} {} per million", if group.loss == Loss::Leaks { "leaks" } else { "lost" }, lost.rate);
     }
     text
 }

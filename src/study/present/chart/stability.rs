@@ -82,9 +82,7 @@ fn marks(kernel: &KernelFigures, regime: &RegimeRow, metric: Metric) -> Vec<Mark
     let mark = |(step, &x): (usize, &f64)| {
         let figure = metric.figure(kernel.at_step(&regime.name, x)?)?;
         let (value, bound, unit) = match figure {
-            Figure::Rate(rate) => {
-                (rate.or_bound(), rate.per_million == 0.0, format!(" per million, n = {}", count(rate.of)))
-            }
+            Figure::Rate(rate) => (rate.or_bound(), rate.events == 0, format!(" per million, n = {}", count(rate.of))),
             Figure::Ulp(ulp) => (ulp as f64, false, " ulp".into()),
         };
         let tooltip = format!("scalar and packet, at {}: {} {figure}{unit}", severity(x), metric.name());

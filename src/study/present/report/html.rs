@@ -1,4 +1,4 @@
-//! `report.html`: the report as one self-contained page. It needs no other file and no network.
+//! `report.html` and `appendix.html`: each a self-contained page. It needs no other file and no network.
 
 use std::fmt::Write;
 
@@ -34,6 +34,11 @@ pub(crate) fn report_html(markdown: &str, charts: &[Chart]) -> String {
                     rest.by_ref().take_while(|event| !matches!(event, Event::End(TagEnd::Image))).collect();
                 page.push(Event::InlineHtml(figure(&dest_url, &text(&inner), charts).into()));
             }
+            Event::Start(Tag::Link { link_type, dest_url, title, id }) => {
+                // Pages link to pages.
+                let dest_url = dest_url.replace(".md", ".html").into();
+                page.push(Event::Start(Tag::Link { link_type, dest_url, title, id }));
+            }
             Event::Start(Tag::Table(_)) => page.extend([raw("<div class=\"table\" tabindex=\"0\">"), event]),
             Event::End(TagEnd::Table) => page.extend([event, raw("</div>\n")]),
             event => page.push(event),
@@ -66,13 +71,18 @@ struct Heading {
 impl Heading {
     fn new(level: HeadingLevel, inner: &[Event], others: &[Self]) -> Self {
         let text = text(inner);
-        let words = text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
-        let slug = words.collect::<Vec<_>>().join("-").to_lowercase();
+        let slug = anchor(&text);
         let is_free = |id: &String| others.iter().all(|other| other.id != *id);
         let mut ids = [slug.clone()].into_iter().chain((2..).map(|number| format!("{slug}-{number}")));
         let id = ids.find(is_free).expect("the numbers are endless");
         Self { level, text, id }
     }
+}
+
+/// The name of a heading in links, as code hosts form it: letters, digits and hyphens.
+pub(super) fn anchor(heading: &str) -> String {
+    let kept = heading.chars().filter(|&letter| letter.is_alphanumeric() || letter == ' ' || letter == '-');
+    kept.collect::<String>().to_lowercase().replace(' ', "-")
 }
 
 /// The table of contents: sections and their subsections.
@@ -122,11 +132,11 @@ fn raw<'a>(html: impl Into<CowStr<'a>>) -> Event<'a> {
 mod tests {
     use super::*;
     use crate::study::present::chart::charts;
-    use crate::study::present::report::report_markdown;
+    use crate::study::present::report::appendix_markdown;
     use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
 
     fn page(record: &crate::study::record::Record) -> String {
-        report_html(&report_markdown(record), &charts(record))
+        report_html(&appendix_markdown(record), &charts(record))
     }
 
     #[test]

@@ -1,18 +1,19 @@
-//! The report: `report.md`, the record in words and tables, and `report.html`, the same as one page. Every figure comes
-//! from the record.
+//! The report: the answer (`report.md`), and the appendix (`appendix.md`) with everything that was measured. Both are
+//! written as pages too. Every figure comes from the record.
 
 mod accuracy;
-mod advice;
+mod answer;
 mod cells;
 mod failures;
 mod html;
 mod kernels;
 mod method;
+mod on_scenes;
 mod packets;
 mod tracer;
 
 #[cfg(test)]
-pub(crate) use advice::advice_table;
+pub(crate) use answer::figures;
 pub(crate) use html::report_html;
 
 use crate::study::figures::{groups, groups_of_methods};
@@ -20,20 +21,34 @@ use crate::study::present::chart::{PEERS, SPEED_ACCURACY};
 use crate::study::present::{peers, verdict};
 use crate::study::record::{Record, date};
 
-/// The report in Markdown. It refers to the chart files, which must be in the same folder.
-pub(crate) fn report_markdown(record: &Record) -> String {
+/// The answer in Markdown: the first page. It refers to the appendix and to two charts, in the same folder.
+pub(crate) fn answer_markdown(record: &Record) -> String {
+    let groups = groups(record);
+    let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
+    let mut parts = vec![title(record, "Which ray-intersection kernel to use")];
+    parts.extend(verdict::verdict_list(record, &groups));
+    parts.push(format!("![Speed against wrong answers, kernel by kernel]({SPEED_ACCURACY})"));
+    parts.extend([answer::what_fails(record, &base)]);
+    parts.extend(answer::how_to_choose(&base));
+    parts.extend(verdict::noise(record, &groups).map(|noise| format!("## How sure this is\n\n{noise}")));
+    let appendix = appendix_markdown(record);
+    let sections = appendix.lines().filter_map(|line| line.strip_prefix("## "));
+    let links = sections.map(|heading| format!("- [{heading}](appendix.md#{})", html::anchor(heading)));
+    parts.push(format!("## The appendix\n\n{}", links.collect::<Vec<_>>().join("\n")));
+    joined(&parts)
+}
+
+/// The appendix in Markdown: everything that was measured. It refers to the chart files, which must be in the same
+/// folder.
+pub(crate) fn appendix_markdown(record: &Record) -> String {
     let groups = groups(record);
     let methods = groups_of_methods(record);
-    let mut parts = vec![title(record)];
-    parts.extend(verdict::verdict_list(&groups));
-    parts.push(format!("![Speed against accuracy of every kernel]({SPEED_ACCURACY})"));
-    parts.extend(verdict::noise(record, &groups));
-    parts.extend([
-        advice::advice(&groups),
-        advice::legend(&groups),
-        kernels::KERNELS.to_owned(),
-        kernels::kernel_table(&groups),
-    ]);
+    let mut parts =
+        vec![title(record, &format!("Speed and accuracy of {} intersection kernels", record.methods.len()))];
+    let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
+    parts.push(format!("## The figures of the first page\n\n{}", answer::figures(record, &base)));
+    parts.extend(on_scenes::section(record));
+    parts.extend([kernels::KERNELS.to_owned(), kernels::kernel_table(&groups)]);
     parts.extend(packets::section(record, &groups));
     parts.extend(failures::absent(record));
     parts.extend(failures::stability(record, &methods));
@@ -64,15 +79,19 @@ pub(crate) fn report_markdown(record: &Record) -> String {
         method::sources(record),
         method::checksums(record),
     ]);
+    joined(&parts)
+}
+
+/// Parts with an empty line between them.
+fn joined(parts: &[String]) -> String {
     parts.iter().map(|part| part.trim_end()).collect::<Vec<_>>().join("\n\n") + "\n"
 }
 
-fn title(record: &Record) -> String {
+fn title(record: &Record, title: &str) -> String {
     let quick =
         if record.quick { " This was a quick run with fewer rays and samples: do not quote its figures." } else { "" };
     format!(
-        "# Speed and accuracy of {} intersection kernels\n\n{}, {}, {} logical processors, {}.{quick}",
-        record.methods.len(),
+        "# {title}\n\n{}, {}, {} logical processors, {}.{quick}",
         date(record.started_unix),
         record.machine.cpu,
         record.machine.processors,

@@ -1,0 +1,143 @@
+//! The same scenes for every kernel: how many rays of a picture get a wrong answer.
+//!
+//! All kernels get the same trees and the same rays, which start where the exact kernel hits. Every answer is compared
+//! with the exact one of the whole scene ([`SceneTruth`]). So the figures say what a picture suffers, and not what a
+//! kernel does where rays are aimed at its weakness.
+
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::built_scene::{BuiltScene, TracerKernel};
+use super::ray_sets::RaySet;
+use super::scene_truth::{Answer, Judgement, SceneTruth};
+use crate::geom::{Hit, Quadric, Ray, Triangle};
+use crate::kernels::Kernel;
+use crate::registry::{self, Visitor};
+use crate::study::progress::Progress;
+use crate::study::record::OnSceneRow;
+use crate::study::workload;
+use crate::tracer::{Error, Mode, Scene, SceneSource, checksum, trace, trace_set_into};
+
+/// A scene, its rays, and the exact answers.
+struct Asked<'a> {
+    built: &'a BuiltScene,
+    truth: &'a SceneTruth<'a>,
+    /// The sets of a picture, and the rays aimed at edges.
+    sets: Vec<(&'a RaySet, Vec<Answer>)>,
+    rows: Vec<OnSceneRow>,
+}
+
+/// Judges every kernel on the rays of a picture of `size` × `size` pixels of one scene.
+///
+/// # Errors
+/// If the scene cannot be loaded.
+pub(crate) fn judge(
+    source: &SceneSource,
+    (size, seed): (u32, u64),
+    progress: &Progress,
+) -> Result<Vec<OnSceneRow>, Error> {
+    let built = BuiltScene::new(source, (size, seed), progress)?;
+    let truth = SceneTruth::new(built.scene.world());
+    let edges = edge_rays(&built, &truth, seed);
+    progress.note(&format!("{}: exact answers", built.name));
+    let answers = |set: &RaySet| set.rays.par_iter().map(|ray| truth.answer(ray, set.any_hit)).collect();
+    let sets = built.sets.iter().chain([&edges]).filter(|set| !set.rays.is_empty()).map(|set| (set, answers(set)));
+    let mut asked = Asked { built: &built, truth: &truth, sets: sets.collect(), rows: Vec::new() };
+    progress.reach(0.5);
+    progress.note(&format!("{}: kernels", built.name));
+    // A few triangles among quadrics, such as a ground, tell nothing about a kernel for triangles.
+    let (triangles, quadrics) = (built.scene.world().triangles(), built.scene.world().quadrics());
+    if triangles > quadrics {
+        registry::triangles(&mut asked);
+    }
+    if quadrics > 0 {
+        registry::quadrics(&mut asked);
+    }
+    progress.reach(1.0);
+    Ok(asked.rows)
+}
+
+/// Rays from the eye at random points on edges of the triangles that the primary rays hit, one for each of these rays.
+fn edge_rays(built: &BuiltScene, truth: &SceneTruth, seed: u64) -> RaySet {
+    let primary = &built.sets[0].rays;
+    let hits = trace(&built.scene, primary, Mode::Auto);
+    let at_edge = |(number, (ray, hit)): (u64, (&Ray<f32>, &Hit<f32>))| {
+        let [v0, v1, v2] = truth.vertices(hit)?;
+        let mut rng = workload::rng(seed, "scene", "edges", &[], number);
+        let [from, to] = [[v0, v1], [v1, v2], [v2, v0]][rng.random_range(0..3)];
+        Some(Ray::new(ray.origin, from.lerp(to, rng.random()) - ray.origin))
+    };
+    let rays = (0..).zip(primary.iter().zip(&hits)).filter_map(at_edge).collect();
+    RaySet { name: "edges", any_hit: false, rays }
+}
+
+impl Visitor<Triangle> for Asked<'_> {
+    fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
+        self.kernel(K::INFO.id.method, &self.built.scene.prepared_for::<K>());
+    }
+}
+
+impl Visitor<Quadric> for Asked<'_> {
+    fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
+        let scene = Scene::<TracerKernel>::with_quadrics::<K>(self.built.scene.world().clone());
+        self.kernel(K::INFO.id.method, &scene);
+    }
+}
+
+impl Asked<'_> {
+    fn kernel<K: Kernel<Shape = Triangle>>(&mut self, id: &str, scene: &Scene<K>) {
+        for (set, answers) in &self.sets {
+            let mut hits = vec![Hit::MISS; set.rays.len()];
+            trace_set_into(scene, &set.rays, set.any_hit, Mode::Auto, &mut hits);
+            let judged = set.rays.par_iter().zip(answers).zip(&hits).map(|((ray, answer), hit)| {
+                if set.any_hit { SceneTruth::judge_any(answer, hit.mask) } else { self.truth.judge(answer, ray, hit) }
+            });
+            let judged: Vec<Judgement> = judged.collect();
+            let count = |judgement| judged.iter().filter(|&&other| other == judgement).count() as u64;
+            self.rows.push(OnSceneRow {
+                scene: self.built.name.clone(),
+                rays: set.name.into(),
+                kernel: id.into(),
+                ray_count: set.rays.len() as u64,
+                solid: answers.iter().filter(|answer| answer.solid).count() as u64,
+                open: answers.iter().filter(|answer| answer.is_open()).count() as u64,
+                lost: count(Judgement::Lost),
+                false_hits: count(Judgement::False),
+                neighbours: count(Judgement::Neighbour),
+                checksum: format!("{:016x}", checksum(&hits)),
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod lab {
+    use super::*;
+    #[test]
+    fn lab() {
+        for name in std::env::var("LAB").unwrap().split(',') {
+            let start = std::time::Instant::now();
+            let rows = judge(
+                &SceneSource::parse(name).unwrap(),
+                (std::env::var("LABSIZE").unwrap().parse().unwrap(), 1),
+                &Progress::bar(),
+            )
+            .unwrap();
+            println!("{name} {:.1}s", start.elapsed().as_secs_f64());
+            for row in rows {
+                println!(
+                    "{:12} {:18} {:32} n {:7} solid {:7} open {:5} lost {:6} false {:6} neigh {:6}",
+                    row.scene,
+                    row.rays,
+                    row.kernel,
+                    row.ray_count,
+                    row.solid,
+                    row.open,
+                    row.lost,
+                    row.false_hits,
+                    row.neighbours
+                );
+            }
+        }
+    }
+}

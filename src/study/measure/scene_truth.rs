@@ -1,0 +1,360 @@
+//! The exact answer for a ray and a whole scene, and whether a reported hit agrees with it.
+//!
+//! The oracle decides every primitive whose box the ray may meet. Its own tree in `f64` finds these; it shares no code
+//! with the tracer's. Boxes are padded by far more than the rounding errors of `f64`, and by far less than `f32`
+//! resolves, so no primitive is overlooked.
+//!
+//! **What counts as right.** The ray ends at the first *solid* hit: inside a primitive, or on an edge or a vertex that
+//! several triangles of an instance share and that they all turn the same side to. Another boundary before it, such as
+//! a silhouette, may be reported or not. Exact values of `t` that round to one `f32` count as equal.
+
+use glam::{Affine3, DAffine3, DVec3, Vec3};
+
+use crate::geom::{Aabb, Hit, Placed, Ray, Triangle};
+use crate::oracle::{Exact, Truth};
+use crate::tracer::{Disc, Face, Geometry, World};
+
+/// A primitive of an instance: both numbers as in [`Hit`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Place {
+    instance: u32,
+    primitive: u32,
+}
+
+/// The exact answer for one ray.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Answer {
+    /// What may be reported as the closest hit.
+    accepted: Vec<Place>,
+    /// Whether the ray ends at a solid hit, so that a miss is wrong.
+    pub(crate) solid: bool,
+}
+
+impl Answer {
+    /// Whether either answer is right, because the ray only touches boundaries.
+    pub(crate) fn is_open(&self) -> bool {
+        !self.solid && !self.accepted.is_empty()
+    }
+}
+
+/// How a reported hit compares with the exact answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Judgement {
+    Right,
+    /// The ray exactly ends at a surface, and the report looks through it: a miss, or an exact hit farther away.
+    Lost,
+    /// The report is a hit of a primitive that the ray exactly misses.
+    False,
+    /// The same, but the primitive touches the right one: they share a vertex. The place is right up to rounding.
+    Neighbour,
+}
+
+/// A world, ready to be asked.
+pub(crate) struct SceneTruth<'a> {
+    world: &'a World,
+    /// For each geometry, the number of its first primitive.
+    first_primitive: Vec<u32>,
+    /// For each geometry, the boxes of its primitives.
+    trees: Vec<Tree>,
+    /// For each instance, from the world to the object.
+    to_object: Vec<DAffine3>,
+    /// The instances' boxes in the world.
+    instances: Tree,
+}
+
+/// One exact hit.
+struct Found {
+    place: Place,
+    truth: Truth,
+    /// Whether the front of a triangle is seen.
+    front: bool,
+}
+
+impl<'a> SceneTruth<'a> {
+    pub(crate) fn new(world: &'a World) -> Self {
+        let mut first_primitive = Vec::new();
+        let mut count = 0;
+        let mut trees = Vec::new();
+        for geometry in world.geometries() {
+            first_primitive.push(count);
+            count += geometry.primitives() as u32;
+            trees.push(Tree::new((0..geometry.primitives() as u32).map(|number| primitive_box(geometry, number))));
+        }
+        let instances = Tree::new(world.instances().iter().map(|placement| {
+            let bounds = trees[placement.geometry as usize].bounds();
+            let transform = in_f64(&placement.object_to_world);
+            let corner = |which: usize| DVec3::from_array(std::array::from_fn(|axis| bounds[which >> axis & 1][axis]));
+            let corners = (0..8).map(|which| transform.transform_point3(corner(which)));
+            corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], corner| [lo.min(corner), hi.max(corner)])
+        }));
+        let to_object =
+            world.instances().iter().map(|placement| in_f64(&placement.object_to_world).inverse()).collect();
+        Self { world, first_primitive, trees, to_object, instances }
+    }
+
+    /// The exact answer for a ray. With `any_hit`, only [`Answer::solid`] and whether anything is accepted count.
+    pub(crate) fn answer(&self, ray: &Ray<f32>, any_hit: bool) -> Answer {
+        let mut found: Vec<Found> = Vec::new();
+        // Nothing beyond a hit inside a primitive matters.
+        let mut end = f64::from(ray.t_max);
+        let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+        self.instances.visit(&Line { origin, dir, start: ray.t_min.into() }, &mut end, &mut |instance, end| {
+            let placement = &self.world.instances()[instance as usize];
+            let transform = &self.to_object[instance as usize];
+            let line = Line {
+                origin: transform.transform_point3(origin),
+                dir: transform.transform_vector3(dir),
+                start: ray.t_min.into(),
+            };
+            self.trees[placement.geometry as usize].visit(&line, end, &mut |number, end| {
+                let place = Place { instance, primitive: self.first_primitive[placement.geometry as usize] + number };
+                let truth = self.truth(place, ray);
+                if !truth.hit {
+                    return;
+                }
+                if !truth.boundary {
+                    *end = if any_hit { f64::NEG_INFINITY } else { end.min(f64::from(truth.t.next_up())) };
+                }
+                found.push(Found { place, truth, front: self.shows_front(place, dir) });
+            });
+        });
+        found.sort_by(|a, b| a.truth.t.total_cmp(&b.truth.t));
+        let mut answer = Answer::default();
+        for same_t in found.chunk_by(|a, b| a.truth.t == b.truth.t) {
+            answer.accepted.extend(same_t.iter().map(|found| found.place));
+            answer.solid = same_t.iter().any(|found| !found.truth.boundary) || is_crossed(same_t);
+            if answer.solid {
+                break;
+            }
+        }
+        answer
+    }
+
+    /// Compares a reported closest hit with the exact answer.
+    pub(crate) fn judge(&self, answer: &Answer, ray: &Ray<f32>, hit: &Hit<f32>) -> Judgement {
+        if !hit.mask {
+            return if answer.solid { Judgement::Lost } else { Judgement::Right };
+        }
+        let place = Place { instance: hit.instance, primitive: hit.primitive };
+        if answer.accepted.contains(&place) {
+            Judgement::Right
+        } else if self.truth(place, ray).hit {
+            Judgement::Lost
+        } else if answer.accepted.iter().any(|&right| self.touch(right, place)) {
+            Judgement::Neighbour
+        } else {
+            Judgement::False
+        }
+    }
+
+    /// Compares a report of any hit with the exact answer.
+    pub(crate) fn judge_any(answer: &Answer, occluded: bool) -> Judgement {
+        match occluded {
+            false if answer.solid => Judgement::Lost,
+            true if answer.accepted.is_empty() => Judgement::False,
+            _ => Judgement::Right,
+        }
+    }
+
+    /// The vertices in the world of a triangle that was hit, rounded. `None` for a miss and for other shapes.
+    pub(crate) fn vertices(&self, hit: &Hit<f32>) -> Option<[Vec3; 3]> {
+        let place = Place { instance: hit.instance, primitive: hit.primitive };
+        let Shape::Triangle(triangle) = hit.mask.then(|| self.shape(place))? else { return None };
+        let transform = in_f64(&self.world.instances()[hit.instance as usize].object_to_world);
+        Some(triangle.vertices().map(|vertex| transform.transform_point3(vertex.as_dvec3()).as_vec3()))
+    }
+
+    fn truth(&self, place: Place, ray: &Ray<f32>) -> Truth {
+        let transform = &self.world.instances()[place.instance as usize].object_to_world;
+        match self.shape(place) {
+            Shape::Triangle(triangle) => truth(triangle, transform, ray),
+            Shape::Face(face) => {
+                let truth = truth(face.quadric(), transform, ray);
+                let Face::Disc(disc) = face else { return truth };
+                let to_object = &self.to_object[place.instance as usize];
+                let origin = to_object.transform_point3(ray.origin.as_dvec3());
+                match inside_disc(&disc, origin, to_object.transform_vector3(ray.dir.as_dvec3())) {
+                    Some(true) => truth,
+                    Some(false) => Truth::MISS,
+                    None => Truth { boundary: truth.hit, ..truth },
+                }
+            }
+        }
+    }
+
+    fn shape(&self, place: Place) -> Shape {
+        let geometry = self.world.instances()[place.instance as usize].geometry as usize;
+        let number = place.primitive - self.first_primitive[geometry];
+        match &self.world.geometries()[geometry] {
+            Geometry::Mesh(mesh) => Shape::Triangle(mesh.triangle(number)),
+            Geometry::Quadric(quadric) => Shape::Face(Face::Quadric(*quadric)),
+            Geometry::Faces(faces) => Shape::Face(faces[number as usize]),
+        }
+    }
+
+    /// Whether a ray of this direction sees the front of a triangle; false for other shapes.
+    fn shows_front(&self, place: Place, dir: DVec3) -> bool {
+        let Shape::Triangle(triangle) = self.shape(place) else { return false };
+        let [v0, v1, v2] = triangle.vertices().map(Vec3::as_dvec3);
+        self.to_object[place.instance as usize].transform_vector3(dir).dot((v1 - v0).cross(v2 - v0)) < 0.0
+    }
+
+    /// Whether two triangles of an instance share a vertex.
+    fn touch(&self, a: Place, b: Place) -> bool {
+        match (self.shape(a), self.shape(b)) {
+            (Shape::Triangle(one), Shape::Triangle(other)) if a.instance == b.instance => {
+                one.vertices().iter().any(|vertex| other.vertices().contains(vertex))
+            }
+            _ => false,
+        }
+    }
+}
+
+enum Shape {
+    Triangle(Triangle),
+    Face(Face),
+}
+
+fn truth<S: crate::geom::Shape>(shape: S, object_to_world: &Affine3, ray: &Ray<f32>) -> Truth
+where
+    S: Exact,
+    Placed<S>: Exact,
+{
+    if *object_to_world == Affine3::IDENTITY {
+        shape.truth(ray)
+    } else {
+        Placed { shape, object_to_world: *object_to_world }.truth(ray)
+    }
+}
+
+/// Whether boundary hits at one `t` are an edge or a vertex inside a surface: several triangles of an instance, all
+/// seen from the same side.
+fn is_crossed(found: &[Found]) -> bool {
+    found.len() > 1
+        && found.iter().all(|other| other.place.instance == found[0].place.instance && other.front == found[0].front)
+}
+
+/// Whether a ray in the object's coordinates meets the plane of a disc inside the circle. `None` where it meets the
+/// circle to the precision of `f64`.
+fn inside_disc(disc: &Disc, origin: DVec3, dir: DVec3) -> Option<bool> {
+    let t = (f64::from(disc.height) - origin.z) / dir.z;
+    let distance = (origin + dir * t).truncate().length() / f64::from(disc.radius);
+    ((distance - 1.0).abs() > 1e-9).then_some(distance < 1.0)
+}
+
+fn in_f64(transform: &Affine3) -> DAffine3 {
+    DAffine3 { matrix3: transform.matrix3.as_dmat3(), translation: transform.translation.as_dvec3() }
+}
+
+fn primitive_box(geometry: &Geometry, number: u32) -> [DVec3; 2] {
+    let Aabb { lo, hi } = match geometry {
+        Geometry::Mesh(mesh) => mesh.triangle(number).bounds(),
+        Geometry::Quadric(quadric) => quadric.bounds(),
+        Geometry::Faces(faces) => faces[number as usize].quadric().bounds(),
+    };
+    [lo.as_dvec3(), hi.as_dvec3()]
+}
+
+/// A ray in `f64`.
+struct Line {
+    origin: DVec3,
+    dir: DVec3,
+    /// The least `t`.
+    start: f64,
+}
+
+/// A binary tree over boxes, split at medians.
+struct Tree {
+    nodes: Vec<Node>,
+    /// Numbers of the boxes, in the order of the leaves.
+    items: Vec<u32>,
+}
+
+struct Node {
+    bounds: [DVec3; 2],
+    /// The items below the node are `items[first..first + count]`.
+    first: u32,
+    count: u32,
+    /// The first of two nodes; zero for a leaf.
+    children: u32,
+}
+
+const LEAF: usize = 4;
+/// Padding of boxes, relative to the largest number that takes part.
+const PADDING: f64 = 1e-10;
+
+impl Tree {
+    fn new(boxes: impl Iterator<Item = [DVec3; 2]>) -> Self {
+        let boxes: Vec<_> = boxes.collect();
+        let mut tree = Self { nodes: Vec::new(), items: (0..boxes.len() as u32).collect() };
+        let root = tree.node(&boxes, 0, boxes.len());
+        tree.nodes.push(root);
+        let mut next = 0;
+        while next < tree.nodes.len() {
+            tree.split(next, &boxes);
+            next += 1;
+        }
+        tree
+    }
+
+    fn node(&self, boxes: &[[DVec3; 2]], first: usize, count: usize) -> Node {
+        let bounds = self.items[first..first + count].iter().map(|&item| boxes[item as usize]);
+        let bounds =
+            bounds.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], other| [lo.min(other[0]), hi.max(other[1])]);
+        Node { bounds, first: first as u32, count: count as u32, children: 0 }
+    }
+
+    fn split(&mut self, node: usize, boxes: &[[DVec3; 2]]) {
+        let Node { bounds: [lo, hi], first, count, .. } = self.nodes[node];
+        let (first, count) = (first as usize, count as usize);
+        if count <= LEAF {
+            return;
+        }
+        let axis = (0..3).max_by(|&a, &b| (hi - lo)[a].total_cmp(&(hi - lo)[b])).expect("three axes");
+        let middle = |item: u32| boxes[item as usize].iter().map(|corner| corner[axis]).sum::<f64>();
+        let half = count / 2;
+        self.items[first..first + count].select_nth_unstable_by(half, |&a, &b| middle(a).total_cmp(&middle(b)));
+        let children = [self.node(boxes, first, half), self.node(boxes, first + half, count - half)];
+        self.nodes[node].children = self.nodes.len() as u32;
+        self.nodes.extend(children);
+    }
+
+    fn bounds(&self) -> [DVec3; 2] {
+        self.nodes[0].bounds
+    }
+
+    /// Calls `meet` with the number of each box that the line may meet between its start and `end`, which `meet` may
+    /// move. Near boxes come first.
+    fn visit(&self, line: &Line, end: &mut f64, meet: &mut dyn FnMut(u32, &mut f64)) {
+        let [lo, hi] = self.bounds();
+        let largest = lo.abs().max(hi.abs()).max(line.origin.abs()).max_element();
+        let (pad, inverse) = (largest * PADDING, 1.0 / line.dir);
+        let entry = |node: &Node| {
+            let [lo, hi] = node.bounds;
+            let (a, b) = ((lo - pad - line.origin) * inverse, (hi + pad - line.origin) * inverse);
+            let (entry, exit) = (a.min(b).max_element(), a.max(b).min_element());
+            // The rounding of `inverse` is relative to the distance.
+            let slack = |t: f64| if t.is_finite() { 1e-12 * t.abs() } else { 0.0 };
+            let (entry, exit) = (entry - slack(entry), exit + slack(exit));
+            (entry <= exit && exit >= line.start).then_some(entry)
+        };
+        let mut stack: Vec<(f64, u32)> = entry(&self.nodes[0]).map(|entry| (entry, 0)).into_iter().collect();
+        while let Some((at, number)) = stack.pop() {
+            if at > *end {
+                continue;
+            }
+            let node = &self.nodes[number as usize];
+            if node.children == 0 {
+                let items = &self.items[node.first as usize..(node.first + node.count) as usize];
+                items.iter().for_each(|&item| meet(item, end));
+                continue;
+            }
+            let mut children = [0, 1].map(|child| {
+                let number = node.children + child;
+                (entry(&self.nodes[number as usize]), number)
+            });
+            children.sort_by(|(a, _), (b, _)| b.partial_cmp(a).unwrap_or(std::cmp::Ordering::Equal));
+            stack.extend(children.iter().filter_map(|&(entry, number)| Some((entry?, number))));
+        }
+    }
+}

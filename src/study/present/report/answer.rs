@@ -1,0 +1,112 @@
+//! The answer: the first page of a report. It says which kernel to use, what the others get wrong and where, and how to
+//! choose. Everything else is in the appendix.
+
+use super::cells::code;
+use crate::study::figures::failures::{Metric, Verdict, verdict_by};
+use crate::study::figures::on_scenes::Answers;
+use crate::study::figures::{Group, KernelFigures, MISSING, Rate, number, optional};
+use crate::study::present::grid::{Cell, Grid};
+use crate::study::record::Record;
+
+/// The figures of both charts: speed per test, and wrong answers where rays are aimed, in pictures and at edges.
+pub(crate) fn figures(record: &Record, groups: &[&Group]) -> String {
+    let header = [
+        "kernel",
+        "1x1, M tests/s",
+        "8x1, M tests/s",
+        "1x8, M tests/s",
+        "lost, aimed rays",
+        "false or double, aimed rays",
+        "wrong, pictures",
+        "wrong, edges of scenes",
+    ];
+    let mut grid = Grid::new(1, header);
+    for group in groups {
+        let safest = group.safest();
+        for kernel in &group.kernels {
+            let is_safe = safest.iter().any(|safe| safe.method.id == kernel.method.id);
+            let mut row = vec![code(&kernel.method.id).best_if(is_safe)];
+            row.extend(["1x1", "8x1", "1x8"].map(|width| {
+                Cell::from(optional(kernel.mtests(width, 1), 3)).best_if(group.is_among_the_fastest(kernel, width))
+            }));
+            let rates = [
+                kernel.lost.map(|lost| lost.rate),
+                kernel.false_hits.map(|false_hits| false_hits.rate),
+                Answers::in_pictures(record, &kernel.method.id).map(|answers| answers.wrong()),
+                Answers::at_edges(record, &kernel.method.id).map(|answers| answers.wrong()),
+            ];
+            row.extend(rates.map(|rate| Cell::from(rate.map_or(MISSING.to_owned(), |rate: Rate| rate.to_string()))));
+            grid.rows.push(row);
+        }
+    }
+    grid.markdown()
+}
+
+/// For each kernel, the regimes in which it gives wrong answers.
+pub(super) fn what_fails(record: &Record, groups: &[&Group]) -> String {
+    let mut grid = Grid::new(2, ["kernel", "more than 0.1 % of its answers are wrong in"]);
+    for group in groups {
+        for kernel in &group.kernels {
+            grid.rows.push(vec![code(&kernel.method.id), Cell::from(fails_in(record, group, kernel))]);
+        }
+    }
+    format!(
+        "## What fails where\n\nA regime is a workload that gets harder step by step; the [appendix](appendix.md) \
+         shows each of them. `from` and `at` name the steps, in the unit of the regime; the figures are those of the \
+         first failing step.\n\n{}",
+        grid.markdown()
+    )
+}
+
+fn fails_in(record: &Record, group: &Group, kernel: &KernelFigures) -> String {
+    let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
+    let failing = regimes.filter_map(|regime| match verdict_by(kernel, regime, |metric| metric != Metric::Ulp)? {
+        Verdict::Fails { at, how, .. } => Some(format!("{} {at} ({how})", regime.name.replace('_', " "))),
+        Verdict::Holds { .. } => None,
+    });
+    let failing: Vec<_> = failing.collect();
+    if failing.is_empty() { "none".into() } else { failing.join("; ") }
+}
+
+/// Which kernel fits which need, among those with the fewest wrong answers.
+pub(super) fn how_to_choose(groups: &[&Group]) -> Option<String> {
+    let lines: Vec<String> = groups.iter().flat_map(|group| needs(group)).collect();
+    (!lines.is_empty()).then(|| format!("## How to choose\n\n{}", lines.join("\n")))
+}
+
+fn needs(group: &Group) -> Vec<String> {
+    let safest = group.safest();
+    let Some(best) = safest.first() else { return Vec::new() };
+    let names = |kernels: &[&KernelFigures]| {
+        kernels.iter().map(|kernel| format!("`{}`", kernel.name)).collect::<Vec<_>>().join(", ")
+    };
+    let right: Vec<_> = group.kernels.iter().filter(|kernel| group.is_among_the_safest(kernel)).collect();
+    let mut lines = vec![format!("- {}: use {}.", group.title, names(&safest))];
+    let bytes = |kernel: &&KernelFigures| kernel.method.prepared_bytes;
+    if let Some(small) = right.iter().copied().min_by_key(bytes).filter(|small| bytes(small) < bytes(best)) {
+        let time = small.ns("8x1").zip(best.ns("8x1")).map(|(small, best)| small / best);
+        lines.push(format!(
+            "- {}, if memory is short: `{}` is as right and prepares {} bytes per primitive instead of {}. It takes {} \
+             the time of `{}` (8x1).",
+            group.title,
+            small.name,
+            bytes(&small),
+            bytes(best),
+            crate::study::figures::times(time),
+            best.name
+        ));
+    }
+    let error = |kernel: &&KernelFigures| kernel.ulp().unwrap_or(u64::MAX);
+    if let Some(exact) = right.iter().copied().min_by_key(error).filter(|exact| error(exact) < error(best)) {
+        lines.push(format!(
+            "- {}, if `t` itself matters: `{}` is off by at most {} units in the last place in 99 % of easy rays, \
+             `{}` by {}.",
+            group.title,
+            exact.name,
+            number(error(&exact) as f64, 3),
+            best.name,
+            number(error(best) as f64, 3)
+        ));
+    }
+    lines
+}
