@@ -15,7 +15,7 @@ mod tracer;
 pub(crate) use advice::advice_table;
 pub(crate) use html::report_html;
 
-use crate::study::figures::{groups, groups_of_methods};
+use crate::study::figures::groups;
 use crate::study::present::chart::{PEERS, SPEED_ACCURACY};
 use crate::study::present::{peers, verdict};
 use crate::study::record::{Record, date};
@@ -23,7 +23,6 @@ use crate::study::record::{Record, date};
 /// The report in Markdown. It refers to the chart files, which must be in the same folder.
 pub(crate) fn report_markdown(record: &Record) -> String {
     let groups = groups(record);
-    let methods = groups_of_methods(record);
     let mut parts = vec![title(record)];
     parts.extend(verdict::verdict_list(&groups));
     parts.push(format!("![Speed against accuracy of every kernel]({SPEED_ACCURACY})"));
@@ -36,9 +35,9 @@ pub(crate) fn report_markdown(record: &Record) -> String {
     ]);
     parts.extend(packets::section(record, &groups));
     parts.extend(failures::absent(record));
-    parts.extend(failures::stability(record, &methods));
-    parts.extend(failures::transforms_and_quadrics(record, &methods));
-    parts.extend(failures::failure_maps(record, &methods));
+    parts.extend(failures::stability(record, &groups));
+    parts.extend(failures::transforms_and_quadrics(record, &groups));
+    parts.extend(failures::failure_maps(record, &groups));
     parts.extend(failures::claims(record, &groups));
     parts.push(accuracy::ACCURACY.to_owned());
     for workload in accuracy::workloads(record) {
@@ -92,12 +91,11 @@ mod tests {
     fn every_kernel_is_in_every_table() {
         let record = record_of(&all_ids());
         let report = report_markdown(&record);
-        let methods = groups_of_methods(&record);
+        let groups = groups(&record);
         for kernel in &record.methods {
             // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, and one table for
             // each metric of a regime.
-            let mut groups = methods.iter();
-            let group = groups.find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
+            let group = groups.iter().find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
             let regimes = record.regimes.iter().filter(is_shown);
             let tables = 8 + regimes.map(|regime| Metric::of(regime).len()).sum::<usize>();
