@@ -271,9 +271,9 @@ fn is_present(subjects: &[Subjects], kernel: &str) -> bool {
     subjects.iter().any(|subject| subject.kernels.iter().any(|id| id == kernel))
 }
 
-/// Whether this build lacks the kernel, or the kernel that it places.
+/// Whether this build lacks the kernel.
 fn is_absent(kernel: &str) -> bool {
-    registry::absent().iter().any(|absent| kernel == absent.id || kernel.ends_with(&format!("/{}", absent.id)))
+    registry::absent().iter().any(|absent| kernel == absent.id)
 }
 
 // ---- The file ------------------------------------------------------------------------------------------------------

@@ -11,8 +11,8 @@ pub(crate) struct Group<'a> {
     pub(crate) title: String,
     /// The common beginning of all IDs: whole parts, including the last slash.
     pub(crate) prefix: String,
-    /// The title. If all are instances of the same kernel, the name of that kernel: `instance of
-    /// triangle/moller_trumbore`.
+    /// The title. If several methods of instancing have the same kernel inside, with the name of that kernel: `instance
+    /// of triangle/moller_trumbore`. The names of these kernels leave it out.
     pub(crate) subject: String,
     /// The shape that is hit, such as `triangle`. For instances, the shape inside.
     pub(crate) shape: &'a str,
@@ -117,21 +117,6 @@ impl Loss {
     }
 }
 
-/// The kernels of a record in groups, in the order of the record.
-pub(crate) fn groups(record: &Record) -> Vec<Group<'_>> {
-    grouped(record, record.methods.iter())
-}
-
-/// Like [`groups`], but an instance is kept only if several methods of instancing have its inner kernel. Regimes and
-/// maps of instances are about the transform, so they compare methods with the same kernel inside.
-pub(crate) fn groups_of_methods(record: &Record) -> Vec<Group<'_>> {
-    let is_of_several = |kernel: &&MethodRow| match inner(&kernel.id) {
-        Some(own) => record.methods.iter().filter(|other| inner(&other.id) == Some(own)).count() > 1,
-        None => true,
-    };
-    grouped(record, record.methods.iter().filter(is_of_several))
-}
-
 /// The ID of the kernel inside an instance: `family/method` in `instance/method/family/method`. `None` for other
 /// kernels.
 fn inner(id: &str) -> Option<&str> {
@@ -150,9 +135,10 @@ impl MethodRow {
     }
 }
 
-fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a MethodRow>) -> Vec<Group<'a>> {
+/// The kernels of a record in groups, in the order of the record.
+pub(crate) fn groups(record: &Record) -> Vec<Group<'_>> {
     let mut groups: Vec<(&str, Option<&str>, Vec<&MethodRow>)> = Vec::new();
-    for kernel in kernels {
+    for kernel in &record.methods {
         let key = (kernel.family.as_str(), inner_family(&kernel.id));
         match groups.iter_mut().find(|(family, inner, _)| (*family, *inner) == key) {
             Some((.., kernels)) => kernels.push(kernel),
@@ -165,11 +151,17 @@ fn grouped<'a>(record: &'a Record, kernels: impl Iterator<Item = &'a MethodRow>)
 fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernels: &[&'a MethodRow]) -> Group<'a> {
     let title = inner.map_or(family.to_owned(), |inner| format!("{family} of {inner}"));
     let shape = inner.unwrap_or(family);
-    let own =
-        self::inner(&kernels[0].id).filter(|own| kernels.iter().all(|kernel| self::inner(&kernel.id) == Some(own)));
-    let subject = own.map_or(title.clone(), |own| format!("{family} of {own}"));
+    let shared = kernels.iter().filter_map(|kernel| self::inner(&kernel.id)).find(|inner| {
+        let with_it = kernels.iter().filter(|kernel| self::inner(&kernel.id) == Some(inner));
+        with_it.count() > 1
+    });
+    let subject = shared.map_or(title.clone(), |inner| format!("{family} of {inner}"));
     let prefix = common_prefix(kernels);
-    let suffix = common_suffix(kernels, prefix);
+    let name = |kernel: &MethodRow| {
+        let own = &kernel.id[prefix.len()..];
+        let method = shared.and_then(|inner| own.strip_suffix(inner)?.strip_suffix('/'));
+        method.map_or_else(|| own.replace(&format!("/{shape}/"), "/"), str::to_owned)
+    };
     let mesh = kernels.iter().any(|kernel| rows_of(record, &kernel.id).any(|row| row.mesh_hits > 0));
     let loss = Loss::for_shape(shape, mesh);
     let deciding = deciding_workloads(record, shape, loss, kernels);
@@ -183,7 +175,7 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
             let counted = if loss == Loss::WithBoundary { 1 } else { 2 };
             KernelFigures {
                 method: kernel,
-                name: kernel.id[prefix.len()..kernel.id.len() - suffix.len()].replace(&format!("/{shape}/"), "/"),
+                name: name(kernel),
                 lost,
                 false_hits,
                 wrong: Rate::sum(rates.into_iter().take(counted).flatten()),
@@ -208,13 +200,6 @@ fn common_prefix<'a>(kernels: &[&'a MethodRow]) -> &'a str {
     let first = kernels[0].id.as_str();
     let mut ends = first.match_indices('/').map(|(slash, _)| &first[..=slash]);
     ends.rfind(|prefix| kernels.iter().all(|kernel| kernel.id.starts_with(prefix))).unwrap_or("")
-}
-
-/// The longest common ending of the IDs, after the prefix, that begins with a slash.
-fn common_suffix<'a>(kernels: &[&'a MethodRow], prefix: &str) -> &'a str {
-    let first = &kernels[0].id[prefix.len()..];
-    let mut starts = first.match_indices('/').map(|(slash, _)| &first[slash..]);
-    starts.find(|suffix| kernels.iter().all(|kernel| kernel.id[prefix.len()..].ends_with(suffix))).unwrap_or("")
 }
 
 #[cfg(test)]
@@ -276,8 +261,7 @@ mod tests {
             titles,
             ["triangle", "aabb", "quadric", "instance of triangle", "instance of aabb", "instance of quadric"]
         );
-        assert_eq!((groups[3].prefix.as_str(), groups[3].kernels.len()), ("instance/", 12));
-        assert_eq!(groups[3].kernels[1].name, "subtract_first/moller_trumbore");
+        assert_eq!(groups[3].prefix, "instance/");
         assert_eq!(groups[3].heading(), "instance of triangle (instance/…/triangle/…)");
         let losses = groups.iter().map(|group| group.loss);
         let each = [Loss::Leaks, Loss::WithBoundary, Loss::Strict];
@@ -285,18 +269,15 @@ mod tests {
     }
 
     #[test]
-    fn methods_of_instancing_are_compared_with_the_same_kernel_inside() {
+    fn names_leave_out_the_kernel_that_several_methods_have_inside() {
         let record = record_of(&all_ids());
-        let names = |group: &Group| group.kernels.iter().map(|kernel| kernel.name.clone()).collect::<Vec<_>>();
-        let (groups, methods) = (groups(&record), groups_of_methods(&record));
-        assert_eq!([0, 1, 2].map(|base| names(&methods[base])), [0, 1, 2].map(|base| names(&groups[base])));
-        assert_eq!(methods[3].title, "instance of triangle");
-        assert_eq!(methods[3].subject, "instance of triangle/moller_trumbore");
-        assert_eq!([&methods[0].subject, &groups[3].subject], ["triangle", "instance of triangle"]);
-        assert_eq!(names(&methods[3]), ["subtract_first", "inverse", "f64", "baked"]);
-        assert_eq!(names(&methods[4]), ["subtract_first", "inverse", "f64"]);
-        // A single method has nothing to be compared with.
-        let record = record_of(&["triangle/cramer".into(), "instance/subtract_first/triangle/cramer".into()]);
-        assert_eq!(groups_of_methods(&record).len(), 1);
+        let groups = groups(&record);
+        let names = |group: usize| groups[group].kernels.iter().map(|kernel| kernel.name.as_str()).collect::<Vec<_>>();
+        assert_eq!(names(2), ["naive", "stable", "mixed", "f64"]);
+        assert_eq!(names(3), ["subtract_first", "inverse", "f64", "baked", "subtract_first/exact"]);
+        assert_eq!([4, 5].map(names), [["subtract_first", "inverse", "f64"]; 2]);
+        let subjects = [2, 3, 4, 5].map(|group: usize| groups[group].subject.as_str());
+        let of_triangles = "instance of triangle/moller_trumbore";
+        assert_eq!(subjects, ["quadric", of_triangles, "instance of aabb/padded", "instance of quadric/stable"]);
     }
 }

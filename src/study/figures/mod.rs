@@ -14,6 +14,6 @@ pub(crate) mod summary;
 pub(crate) mod tracer;
 
 pub(crate) use format::{MISSING, count, number, optional, percent, severity, si, times};
-pub(crate) use group::{Group, Loss, groups, groups_of_methods};
+pub(crate) use group::{Group, Loss, groups};
 pub(crate) use kernel::{Failures, KernelFigures, thread_counts, tied};
 pub(crate) use rate::Rate;

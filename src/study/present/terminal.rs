@@ -4,8 +4,7 @@ use super::grid::{Cell, Grid};
 use super::verdict::verdict;
 use crate::study::figures::tracer::{TracedSet, modes};
 use crate::study::figures::{
-    Failures, KernelFigures, MISSING, count, groups, groups_of_methods, number, optional, percent, severity,
-    thread_counts, times,
+    Failures, KernelFigures, MISSING, count, groups, number, optional, percent, severity, thread_counts, times,
 };
 use crate::study::record::Record;
 
@@ -79,7 +78,7 @@ fn kernel_grid(record: &Record) -> Grid {
     let mut grid = Grid::new(1, ["kernel", "ns 1x1", "ns 8x1", "gain", "limit"]);
     grid.header.extend(threads.iter().map(|threads| Cell::from(format!("Mt/s {threads}T"))));
     grid.header.extend(["lost", "false", "worst in", "ulp"].map(Cell::from));
-    for group in groups_of_methods(record) {
+    for group in groups(record) {
         grid.rows.push(vec![Cell::from(group.heading())]);
         let ulp = group.kernels.iter().filter_map(KernelFigures::ulp).min();
         for kernel in &group.kernels {
@@ -149,7 +148,7 @@ mod tests {
     fn the_table_shows_every_kernel_in_at_most_110_columns() {
         let record = record_of(&all_ids());
         let plain = terminal_table(&record, false);
-        for group in groups_of_methods(&record) {
+        for group in groups(&record) {
             let section = plain.lines().skip_while(|line| *line != group.heading());
             let names: Vec<_> = section.skip(1).map(|line| line.split_whitespace().next().unwrap_or("")).collect();
             let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name.as_str()).collect();

@@ -24,26 +24,27 @@ const TRIANGLES: [&str; 9] = [
 const QUADRICS: [&str; 4] = ["naive", "stable", "mixed", "f64"];
 const BOXES: [&str; 5] = ["division", "reciprocal", "sign_selected", "fused", "padded"];
 
-const METHODS: [(&str, &str); 7] = [
+const INSTANCES: [(&str, &str); 11] = [
+    ("subtract_first", "triangle/moller_trumbore"),
     ("inverse", "triangle/moller_trumbore"),
     ("f64", "triangle/moller_trumbore"),
     ("baked", "triangle/moller_trumbore"),
+    ("subtract_first", "triangle/exact"),
+    ("subtract_first", "aabb/padded"),
     ("inverse", "aabb/padded"),
     ("f64", "aabb/padded"),
+    ("subtract_first", "quadric/stable"),
     ("inverse", "quadric/stable"),
     ("f64", "quadric/stable"),
 ];
 
 /// The IDs of a full registry.
 pub(crate) fn all_ids() -> Vec<String> {
-    let bases = || {
-        let triangles = TRIANGLES.iter().map(|name| format!("triangle/{name}"));
-        let boxes = BOXES.iter().map(|name| format!("aabb/{name}"));
-        triangles.chain(boxes).chain(QUADRICS.iter().map(|name| format!("quadric/{name}")))
-    };
-    let instances = bases().map(|id| format!("instance/subtract_first/{id}"));
-    let methods = METHODS.iter().map(|(method, inner)| format!("instance/{method}/{inner}"));
-    bases().chain(instances).chain(methods).collect()
+    let triangles = TRIANGLES.iter().map(|name| format!("triangle/{name}"));
+    let boxes = BOXES.iter().map(|name| format!("aabb/{name}"));
+    let quadrics = QUADRICS.iter().map(|name| format!("quadric/{name}"));
+    let instances = INSTANCES.iter().map(|(method, inner)| format!("instance/{method}/{inner}"));
+    triangles.chain(boxes).chain(quadrics).chain(instances).collect()
 }
 
 /// A record of the given kernels, with plausible figures that differ from kernel to kernel.

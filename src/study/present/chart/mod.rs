@@ -34,7 +34,7 @@ pub(crate) use file_names::{
 };
 pub(crate) use svg::escaped;
 
-use crate::study::figures::{groups, groups_of_methods};
+use crate::study::figures::groups;
 use crate::study::record::Record;
 
 /// A chart: the name of its file, and its SVG.
@@ -54,7 +54,7 @@ pub(crate) fn charts(record: &Record) -> Vec<Chart> {
     if groups.iter().any(|group| group.kernels.iter().any(|kernel| kernel.gain().is_some())) {
         charts.push(Chart { file: PACKETS.into(), svg: packets::svg(record, &bases) });
     }
-    for group in &groups_of_methods(record) {
+    for group in &groups {
         for regime in record.regimes.iter().filter(|regime| regime.family == group.title) {
             charts.push(Chart { file: stability_file(regime), svg: stability::svg(record, group, regime) });
         }
@@ -95,7 +95,7 @@ mod tests {
     fn every_group_regime_and_map_has_a_chart_that_names_its_kernels() {
         let record = record_of(&all_ids());
         let charts = charts(&record);
-        let (groups, methods) = (groups(&record), groups_of_methods(&record));
+        let groups = groups(&record);
         let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
         assert_eq!(charts.len(), 6 + record.regimes.len() + with_maps.len());
         for chart in &charts {
@@ -111,7 +111,7 @@ mod tests {
                     let is_for = |group: &&Group| {
                         regime.map_or(file == failure_map_file(group), |regime| regime.family == group.title)
                     };
-                    methods.iter().filter(is_for).collect()
+                    groups.iter().filter(is_for).collect()
                 }
             };
             let kernels: Vec<_> = shown.iter().flat_map(|group| &group.kernels).collect();

@@ -16,7 +16,7 @@ mod tracer;
 pub(crate) use answer::figures;
 pub(crate) use html::report_html;
 
-use crate::study::figures::{groups, groups_of_methods};
+use crate::study::figures::groups;
 use crate::study::present::chart::{PEERS, SPEED_ACCURACY};
 use crate::study::present::{peers, verdict};
 use crate::study::record::{Record, date};
@@ -42,7 +42,6 @@ pub(crate) fn answer_markdown(record: &Record) -> String {
 /// folder.
 pub(crate) fn appendix_markdown(record: &Record) -> String {
     let groups = groups(record);
-    let methods = groups_of_methods(record);
     let mut parts =
         vec![title(record, &format!("Speed and accuracy of {} intersection kernels", record.methods.len()))];
     let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
@@ -51,9 +50,9 @@ pub(crate) fn appendix_markdown(record: &Record) -> String {
     parts.extend([kernels::KERNELS.to_owned(), kernels::kernel_table(&groups)]);
     parts.extend(packets::section(record, &groups));
     parts.extend(failures::absent(record));
-    parts.extend(failures::stability(record, &methods));
-    parts.extend(failures::transforms_and_quadrics(record, &methods));
-    parts.extend(failures::failure_maps(record, &methods));
+    parts.extend(failures::stability(record, &groups));
+    parts.extend(failures::transforms_and_quadrics(record, &groups));
+    parts.extend(failures::failure_maps(record, &groups));
     parts.extend(failures::claims(record, &groups));
     parts.push(accuracy::ACCURACY.to_owned());
     for workload in accuracy::workloads(record) {
@@ -111,12 +110,11 @@ mod tests {
     fn every_kernel_is_in_every_table() {
         let record = record_of(&all_ids());
         let report = report_markdown(&record);
-        let methods = groups_of_methods(&record);
+        let groups = groups(&record);
         for kernel in &record.methods {
             // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, and one table for
             // each metric of a regime.
-            let mut groups = methods.iter();
-            let group = groups.find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
+            let group = groups.iter().find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
             let regimes = record.regimes.iter().filter(is_shown);
             let tables = 8 + regimes.map(|regime| Metric::of(regime).len()).sum::<usize>();
