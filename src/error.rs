@@ -14,7 +14,7 @@ pub enum Error {
     /// The operating system refused, or the disk is full.
     #[error("cannot {action} {}: {}", printable_path(.file), explanation(&reason(.source)))]
     Io {
-        /// `read`, `write`, `create` or `start`.
+        /// `read`, `write`, `create`, `start` or `find`.
         action: &'static str,
         /// The file.
         file: PathBuf,

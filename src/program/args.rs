@@ -6,7 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use raylanes::kernels::Kernel;
-use raylanes::study::TracerKernel;
+use raylanes::study::{self, TracerKernel};
 use raylanes::tracer::{self, BuiltIn, Mode, Shade};
 
 /// Measures ray-intersection kernels: how fast and how accurate each of them is.
@@ -28,6 +28,9 @@ pub(super) enum Command {
     Render(RenderArguments),
     /// List the kernels: ID, operations, bytes, claims and idea.
     List,
+    /// What a study starts in processes of its own.
+    #[command(hide = true, name = study::TIME_KERNELS)]
+    TimeKernels(TimeKernelsArguments),
 }
 
 const DEFAULT_OUT: &str = "reports/latest";
@@ -71,6 +74,15 @@ impl Default for StudyArguments {
             peers: false,
         }
     }
+}
+
+#[derive(Args)]
+pub(super) struct TimeKernelsArguments {
+    #[arg(long)]
+    pub(super) seed: u64,
+    /// How many samples of each kernel.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) rounds: u16,
 }
 
 /// The arguments that `trace` and `render` share.

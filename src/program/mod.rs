@@ -9,7 +9,8 @@
 //! | `terminal` | standard output and standard error |
 //! | `signals` | what happens on Ctrl-C, and where the system refuses to go on |
 //!
-//! An error is one line on standard error; the exit code is then 2.
+//! An error is one line on standard error; the exit code is then 2. A study starts the program again, with a hidden
+//! command that times kernels.
 
 mod args;
 mod list;
@@ -22,12 +23,13 @@ mod terminal;
 mod trace;
 mod usage;
 
+use std::io;
 use std::process::ExitCode;
 
-use raylanes::study::Progress;
+use raylanes::study::{Progress, time_kernels};
 use raylanes::tracer::{self, Error};
 
-use args::{Command, StudyArguments};
+use args::{Command, StudyArguments, TimeKernelsArguments};
 use usage::Request;
 
 /// Runs the command that the arguments name.
@@ -56,12 +58,18 @@ pub(crate) fn main() -> ExitCode {
 /// Runs the command. Returns what it prints.
 fn run(command: Command) -> Result<String, Error> {
     let progress = if matches!(command, Command::Study(_)) { Progress::bar() } else { Progress::spinner() };
-    signals::exit_when_interrupted(&progress)?;
+    // Whoever starts a process that times kernels also ends it.
+    if !matches!(command, Command::TimeKernels(_)) {
+        signals::exit_when_interrupted(&progress)?;
+    }
     let outcome = match command {
         Command::Study(arguments) => study::run(&arguments, &progress),
         Command::Trace(arguments) => trace::run(&arguments, &progress),
         Command::Render(arguments) => render::run(&arguments, &progress),
         Command::List => Ok(list::run()),
+        Command::TimeKernels(TimeKernelsArguments { seed, rounds }) => {
+            time_kernels(seed, rounds.into(), &mut io::stdout().lock()).map(|()| String::new())
+        }
     };
     progress.clear();
     outcome

@@ -1,6 +1,6 @@
 //! What happens when the program is interrupted, or when the system refuses to go on.
 
-use raylanes::study::Progress;
+use raylanes::study::{self, Progress};
 use raylanes::tracer::{self, Error, printable_path};
 
 use super::terminal::note;
@@ -17,6 +17,7 @@ pub(super) fn exit_when_interrupted(progress: &Progress) -> Result<(), Error> {
     let refused = |source| Error::Io { action: "start", file: "a thread".into(), source };
     let exit = |progress: &Progress| {
         let written = tracer::hold_writes();
+        let _stopped = study::stop_processes();
         progress.clear();
         note(&match written.last() {
             None => "raylanes: interrupted, nothing was written".into(),

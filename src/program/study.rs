@@ -1,5 +1,6 @@
 //! `raylanes study`: measures everything, writes the report, and returns the table for the terminal.
 
+use std::env;
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
@@ -34,7 +35,9 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     }
     check_results(reserved.path())?;
     let StudyArguments { quick, large, seed, peers, .. } = *arguments;
-    let record = study::run(&study::Options { scenes, quick, large, seed, peers }, progress)?;
+    let own = env::current_exe().map_err(|source| Error::Io { action: "find", file: "this program".into(), source })?;
+    let options = study::Options { scenes, quick, large, seed, peers, program: Some(own) };
+    let record = study::run(&options, progress)?;
     progress.note("writing");
     let write = if arguments.record.is_some() { study::write_new } else { study::write };
     write(&record, reserved.path())?;

@@ -1,12 +1,12 @@
 //! Runs the whole study: takes all measurements one after the other and collects them in one record.
 
+use std::path::PathBuf;
 use std::time::{Instant, SystemTime};
 
 use super::figures::{claims, summary};
 use super::measure::accuracy::Kernels;
-use super::measure::operation_rates::OperationRates;
 use super::measure::survey::Survey;
-use super::measure::{coherence, machine, on_scenes, scaling, speed, tracer};
+use super::measure::{coherence, machine, on_scenes, operation_rates, processes, rounds, scaling, speed, tracer};
 use super::peers;
 use super::progress::Progress;
 use super::record::{AbsentRow, ClaimRow, Record, SCHEMA, seconds_since_1970};
@@ -29,6 +29,9 @@ pub struct Options {
     pub seed: u64,
     /// Whether to trace the scenes with the peers too. Needs the feature `peers`.
     pub peers: bool,
+    /// The program `raylanes` of this build: kernels are timed in several of its processes. Without it, this process
+    /// times them.
+    pub program: Option<PathBuf>,
 }
 
 impl Options {
@@ -75,12 +78,16 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
     // Many short samples: other work on the machine disturbs some of them, and the median ignores those.
-    let samples = if options.quick { 3 } else { 41 };
-    let mut rates = OperationRates::new();
-    let speed_rows = speed.measure(samples, &thread_counts, &mut |share| {
-        rates.sample();
-        speed_part.reach(share);
-    })?;
+    let (processes, rounds) = if options.quick { (2, 2) } else { (5, 8) };
+    let mut reach = |share| speed_part.reach(share);
+    let times = match &options.program {
+        Some(program) => processes::time_in_processes(program, processes, (options.seed, rounds), &mut reach)?,
+        None => vec![processes::time_here(options.seed, processes * rounds, &mut |share| {
+            reach(share);
+            Ok(())
+        })?],
+    };
+    let times = rounds::merge(&times)?;
 
     let mut errors = Errors { survey: Survey::new(options.quick, options.seed), claims: Vec::new() };
     let shapes = accuracy_part.parts(&[28.0, 3.0, 4.0, 4.5, 2.5, 3.0]);
@@ -119,13 +126,13 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
         seed: options.seed,
         machine: if options.peers { peers::machine() } else { machine::describe() },
         kernels: Vec::new(),
-        methods: speed.methods,
+        methods: speed.methods.clone(),
         absent: registry::absent()
             .iter()
             .map(|absent| AbsentRow { id: absent.id.into(), reason: absent.reason.into() })
             .collect(),
-        speed: speed_rows,
-        rates: rates.rows(),
+        speed: speed.rows(&times)?,
+        rates: operation_rates::rows(&times)?,
         regimes: survey.regimes,
         accuracy: survey.rows,
         claims,

@@ -61,6 +61,76 @@ fn an_interrupted_study_leaves_nothing_behind() {
     }
 }
 
+/// The processes that a process has started and that still exist.
+fn children(process: u32) -> Vec<u32> {
+    let is_child = |entry: std::io::Result<fs::DirEntry>| {
+        let child: u32 = entry.ok()?.file_name().to_str()?.parse().ok()?;
+        let status = fs::read_to_string(format!("/proc/{child}/status")).ok()?;
+        let parent = status.lines().find_map(|line| line.strip_prefix("PPid:"))?.trim().parse::<u32>().ok()?;
+        (parent == process).then_some(child)
+    };
+    fs::read_dir("/proc").unwrap().filter_map(is_child).collect()
+}
+
+fn exists(process: u32) -> bool {
+    Path::new(&format!("/proc/{process}")).exists()
+}
+
+#[test]
+fn an_interrupt_also_ends_the_process_that_times_kernels() {
+    let folder = Folder::new("interrupted-process");
+    for signal in ["-INT", "-TERM"] {
+        let child = start(&folder, &["study", "--quick", "--out", "out"]);
+        let mut timing = Vec::new();
+        wait_until("a process times kernels", || {
+            timing = children(child.id());
+            !timing.is_empty()
+        });
+        assert_eq!(interrupt(child, signal), (Some(130), vec![NOTHING.to_owned()]));
+        assert!(timing.iter().all(|&process| !exists(process)), "{timing:?}");
+        assert!(folder.names().is_empty(), "{:?}", folder.names());
+    }
+}
+
+/// Nobody can handle SIGKILL. The process that times kernels then ends because nobody reads its lines.
+#[test]
+fn a_process_that_times_kernels_does_not_outlive_a_killed_study_for_long() {
+    let folder = Folder::new("killed-study");
+    let child = start(&folder, &["study", "--quick", "--out", "out"]);
+    let mut timing = Vec::new();
+    wait_until("a process times kernels", || {
+        timing = children(child.id());
+        !timing.is_empty()
+    });
+    interrupt(child, "-KILL");
+    // Without a parent, whoever adopted it may not ask how it ended. So it may still have an entry.
+    let runs = |process: u32| {
+        let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+        !status.is_empty() && !status.contains("State:\tZ")
+    };
+    wait_until("it ends", || !timing.iter().any(|&process| runs(process)));
+}
+
+/// A process that ends early makes the study fail, with one line.
+#[test]
+fn a_study_fails_if_a_process_that_times_kernels_dies() {
+    let folder = Folder::new("dying-process");
+    let mut child = start(&folder, &["study", "--quick", "--out", "out"]);
+    let mut timing = Vec::new();
+    wait_until("a process times kernels", || {
+        timing = children(child.id());
+        !timing.is_empty()
+    });
+    assert!(Command::new("kill").args(["-KILL", &timing[0].to_string()]).status().unwrap().success());
+    wait_until("the study fails", || child.try_wait().unwrap().is_some());
+    let mut stderr = Vec::new();
+    child.stderr.take().unwrap().read_to_end(&mut stderr).unwrap();
+    let lines = error_lines(&stderr);
+    assert_eq!((child.wait().unwrap().code(), lines.len()), (Some(2), 1), "{lines:?}");
+    assert!(lines[0].ends_with("process 1 of 2 that times kernels: it ended with signal: 9 (SIGKILL)"), "{lines:?}");
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
 #[test]
 fn an_interrupted_file_is_complete_or_absent_and_the_message_says_which() {
     let folder = Folder::new("interrupted-file");

@@ -21,7 +21,8 @@ use raylanes::tracer::{Mode, SceneSource};
 /// A quick study of one scene.
 static RECORD: LazyLock<Record> = LazyLock::new(|| {
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
-    let options = Options { scenes, quick: true, large: false, seed: 1, peers: cfg!(feature = "peers") };
+    let peers = cfg!(feature = "peers");
+    let options = Options { scenes, quick: true, large: false, seed: 1, peers, program: None };
     study::run(&options, &Progress::bar()).unwrap()
 });
 

@@ -1,6 +1,6 @@
 //! Groups of kernels that can be compared with each other, and which rays count as lost in each group.
 
-use super::kernel::{Failures, KernelFigures, fastest_of, rows_of};
+use super::kernel::{Failures, KernelFigures, fastest_of, rows_of, tied};
 use super::rate::{Rate, false_hits, leaks, lost_by_boxes};
 use crate::study::record::{AccuracyRow, MethodRow, Record, RegimeRow};
 
@@ -32,7 +32,9 @@ impl Group<'_> {
 
     /// Whether a kernel is one of [`Group::fastest`].
     pub(crate) fn is_among_the_fastest(&self, kernel: &KernelFigures, width: &str) -> bool {
-        self.fastest(width).iter().any(|best| best.method.id == kernel.method.id)
+        let rows = self.kernels.iter().filter_map(|kernel| kernel.speed(width, 1));
+        let fastest = rows.min_by(|a, b| a.ns_per_test.total_cmp(&b.ns_per_test));
+        fastest.zip(kernel.speed(width, 1)).is_some_and(|(fastest, row)| tied(fastest, row))
     }
 
     /// The title, and in brackets the parts of the IDs that the names leave out, if these differ from the title.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::rate::{Rate, ulp_p99};
+use crate::study::measure::stats::ratio;
 use crate::study::record::{AccuracyRow, KernelRow, MethodRow, Record, SpeedRow};
 
 /// One kernel, and access to all of its rows.
@@ -122,10 +123,10 @@ pub(crate) fn fastest_of<'k, 'a: 'k>(
     timed.into_iter().filter(|(_, row)| tied(first, row)).map(|(kernel, _)| kernel).collect()
 }
 
-/// Whether two timings tie: they differ by at most the sum of their median absolute deviations, so neither counts as
-/// faster.
+/// Whether two timings tie: the interval of their ratio contains 1, so neither counts as faster. A timing ties with
+/// itself.
 pub(crate) fn tied(a: &SpeedRow, b: &SpeedRow) -> bool {
-    (a.ns_per_test - b.ns_per_test).abs() <= a.ns_per_test_mad + b.ns_per_test_mad
+    std::ptr::eq(a, b) || ratio(&a.ns_of_rounds, &b.ns_of_rounds).is_some_and(|ratio| ratio.may_be(1.0))
 }
 
 /// The distinct numbers of threads, ascending.

@@ -10,11 +10,13 @@ use std::time::Instant;
 
 use wide::{f32x8, f64x8};
 
+use super::rounds::{TimedJob, Times, of_job};
 use super::stats::{mad, median};
 use crate::geom::lanes::max8;
 #[cfg(fused)]
 use crate::geom::lanes::mul_add8;
 use crate::study::record::RateRow;
+use crate::tracer::Error;
 
 /// Number of chains: as many as fit into the registers.
 const CHAINS: usize = if cfg!(any(target_feature = "avx", target_arch = "aarch64")) { 12 } else { 6 };
@@ -105,52 +107,56 @@ const OPERATIONS: &[Operation] = &[
     }),
 ];
 
-/// The samples of each operation so far.
-#[derive(Debug)]
-pub(crate) struct OperationRates(Vec<Vec<f64>>);
+/// What distinguishes an operation from all other jobs.
+fn name(operation: &str, precision: &str) -> String {
+    format!("operation {operation}, {precision}")
+}
 
-impl OperationRates {
-    pub(crate) fn new() -> Self {
-        Self(vec![Vec::new(); OPERATIONS.len()])
-    }
+/// Every operation. A sample is the nanoseconds per operation.
+pub(crate) fn timed_jobs<'a>() -> impl Iterator<Item = TimedJob<'a>> {
+    OPERATIONS.iter().map(|(operation, precision, take)| TimedJob {
+        name: name(operation, precision),
+        // There is nothing to compare: what is computed depends on nothing.
+        sample: Box::new(|| Ok((take(), 0))),
+    })
+}
 
-    /// Takes one more sample of each operation.
-    pub(crate) fn sample(&mut self) {
-        for (samples, (_, _, take)) in self.0.iter_mut().zip(OPERATIONS) {
-            samples.push(take());
-        }
-    }
-
-    pub(crate) fn rows(&self) -> Vec<RateRow> {
-        let row = |(samples, (operation, precision, _)): (&Vec<f64>, &Operation)| {
-            let ns_per_operation = median(samples);
-            RateRow {
-                operation: (*operation).into(),
-                precision: (*precision).into(),
-                ns_per_operation,
-                ns_per_operation_mad: mad(samples),
-                operations_per_second: 1e9 / ns_per_operation,
-                samples: samples.len(),
-            }
-        };
-        self.0.iter().zip(OPERATIONS).map(row).collect()
-    }
+/// The rows of all operations, from their times.
+///
+/// # Errors
+/// If an operation was not timed.
+pub(crate) fn rows(all: &[Times]) -> Result<Vec<RateRow>, Error> {
+    let row = |(operation, precision, _): &Operation| {
+        let samples = of_job(all, &name(operation, precision))?.ns.all();
+        let ns_per_operation = median(&samples);
+        Ok(RateRow {
+            operation: (*operation).into(),
+            precision: (*precision).into(),
+            ns_per_operation,
+            ns_per_operation_mad: mad(&samples),
+            operations_per_second: 1e9 / ns_per_operation,
+            samples: samples.len(),
+        })
+    };
+    OPERATIONS.iter().map(row).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::measure::rounds::{merge, take};
 
     #[test]
     fn every_operation_takes_a_plausible_time() {
-        let mut rates = OperationRates::new();
-        (0..3).for_each(|_| rates.sample());
-        let rows = rates.rows();
+        let jobs: Vec<_> = timed_jobs().collect();
+        let times = take(&jobs, 3, &mut |_| Ok(())).unwrap();
+        let rows = rows(&merge(&[times]).unwrap()).unwrap();
         assert_eq!(rows.len(), OPERATIONS.len());
         for row in &rows {
             // Below a thousandth of a nanosecond, the compiler would have removed the loop.
             assert!((1e-3..1e3).contains(&row.ns_per_operation), "{row:?}");
             assert!(row.samples == 3 && (row.operations_per_second * row.ns_per_operation / 1e9 - 1.0).abs() < 1e-9);
         }
+        assert!(super::rows(&[]).is_err());
     }
 }

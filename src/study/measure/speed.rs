@@ -9,9 +9,6 @@
 //! 5 ns. With rays that it had not just seen, the same test took 20 ns. So a sample is one pass over [`RAYS`] rays, and
 //! all other jobs have their turn before the next pass. Before each pass, its rays and primitives are read into the
 //! cache, and other rays run through its code.
-//!
-//! Jobs are interleaved: the first sample of every job, then the second sample of every job, and so on. If the machine
-//! is slow for a while, all jobs suffer equally.
 
 use std::hint::black_box;
 use std::io;
@@ -21,7 +18,8 @@ use std::time::Instant;
 
 use wide::{f32x8, u32x8};
 
-use super::stats::{mad, median};
+use super::rounds::{TimedJob, Times, of_job};
+use super::stats::{median, typical};
 use crate::geom::lanes::lt8;
 use crate::geom::{Hit, Ray};
 use crate::kernels::{Intersect, Kernel, Shape};
@@ -266,6 +264,16 @@ struct Job {
 /// The warm-up or the pass of a job.
 type Run = Box<dyn Fn(&mut [Hit<f32>]) + Send + Sync>;
 
+/// Every kernel is timed with each of these numbers of threads.
+const THREAD_COUNTS: [usize; 2] = [1, 2];
+
+impl Job {
+    /// Its name with this number of threads.
+    fn name(&self, threads: usize) -> String {
+        format!("{}, {}, threads: {threads}", self.id, self.width.name())
+    }
+}
+
 /// The jobs of all registered kernels.
 #[derive(Default)]
 pub(crate) struct Speed {
@@ -282,55 +290,52 @@ impl Speed {
         speed
     }
 
-    /// Times every job with each number of threads. After each round, in which every job had one turn, calls
-    /// `after_round` with the share of the rounds that is done.
+    /// Every job with each number of threads. All jobs with one thread come before those with two, so that no job is
+    /// timed twice in a row. A sample is the nanoseconds per test, all threads together, and the checksum of the hits.
+    pub(crate) fn timed_jobs(&self) -> Vec<TimedJob<'_>> {
+        let of_threads = |threads| self.jobs.iter().map(move |job| (job, threads));
+        let timed_job = |(job, threads): (_, usize)| TimedJob {
+            name: Job::name(job, threads),
+            sample: Box::new(move || {
+                let (seconds, sums) = timed(job, threads)?;
+                if sums.iter().any(|sum| *sum != sums[0]) {
+                    return Err(Error::Disagreement(format!("two threads of {}", job.name(threads))));
+                }
+                Ok((seconds * 1e9 / (threads * RAYS * PRIMITIVES) as f64, sums[0]))
+            }),
+        };
+        THREAD_COUNTS.into_iter().flat_map(of_threads).map(timed_job).collect()
+    }
+
+    /// The rows of all jobs, from their times.
     ///
     /// # Errors
-    /// If two widths or two threads of a kernel give different hits: a timing of wrong results is worthless. Or if the
-    /// system does not grant the threads.
-    pub(crate) fn measure(
-        &self,
-        samples: usize,
-        thread_counts: &[usize],
-        after_round: &mut dyn FnMut(f64),
-    ) -> Result<Vec<SpeedRow>, Error> {
-        let expected = self.jobs.iter().map(|job| Ok(timed(job, 1)?.1[0])).collect::<Result<Vec<u64>, Error>>()?;
-        for (job, sum) in self.jobs.iter().zip(&expected) {
-            let first =
-                self.jobs.iter().position(|other| other.id == job.id).expect("the list contains the job itself");
-            if *sum != expected[first] {
-                return Err(Error::Disagreement(format!("{}: widths {} and 1x1", job.id, job.width.name())));
+    /// If two widths or thread counts of a kernel gave different hits: a timing of wrong results is worthless. Or if a
+    /// job was not timed.
+    pub(crate) fn rows(&self, all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
+        let of_threads = |threads| self.jobs.iter().map(move |job| (job, threads));
+        let row = |(job, threads): (&Job, usize)| {
+            let times = of_job(all, &job.name(threads))?;
+            let first = self.jobs.iter().find(|other| other.id == job.id).expect("the list contains the job itself");
+            if times.checksum != of_job(all, &first.name(1))?.checksum {
+                return Err(Error::Disagreement(format!("{} and {}", first.name(1), job.name(threads))));
             }
-        }
-        let mut times = vec![Vec::with_capacity(samples); self.jobs.len() * thread_counts.len()];
-        for sample in 0..samples {
-            for (slot, times) in times.iter_mut().enumerate() {
-                // All jobs with one thread count come before those with the next: no job is timed twice in a row.
-                let (index, threads) = (slot % self.jobs.len(), thread_counts[slot / self.jobs.len()]);
-                let (seconds, sums) = timed(&self.jobs[index], threads)?;
-                if sums.iter().any(|sum| *sum != expected[index]) {
-                    return Err(Error::Disagreement(format!("{} while it was timed", self.jobs[index].id)));
-                }
-                times.push(seconds * 1e9 / (threads * RAYS * PRIMITIVES) as f64);
-            }
-            after_round((sample + 1) as f64 / samples as f64);
-        }
-        let row = |(slot, times): (usize, &Vec<f64>)| {
-            let index = slot % self.jobs.len();
-            let ns_per_test = median(times);
-            SpeedRow {
-                id: self.jobs[index].id.clone(),
-                width: self.jobs[index].width.name().into(),
-                threads: thread_counts[slot / self.jobs.len()],
-                ns_per_test,
-                ns_per_test_mad: mad(times),
-                tests_per_second: 1e9 / ns_per_test,
-                samples,
-                hit_share: self.jobs[index].hit_share,
-                checksum: format!("{:016x}", expected[index]),
-            }
+            let untimed = || Error::Disagreement(format!("{}: it has no samples", times.name));
+            let ns = typical(&times.ns).ok_or_else(untimed)?;
+            Ok(SpeedRow {
+                id: job.id.clone(),
+                width: job.width.name().into(),
+                threads,
+                ns_per_test: ns.value,
+                ns_per_test_low: ns.low,
+                ns_per_test_high: ns.high,
+                tests_per_second: 1e9 / ns.value,
+                hit_share: job.hit_share,
+                ns_of_rounds: times.ns.clone(),
+                checksum: format!("{:016x}", times.checksum),
+            })
         };
-        Ok(times.iter().enumerate().map(row).collect())
+        THREAD_COUNTS.into_iter().flat_map(of_threads).map(row).collect()
     }
 }
 

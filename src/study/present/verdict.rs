@@ -134,10 +134,10 @@ fn in_pictures(record: &Record, kernel: &KernelFigures) -> Option<String> {
     Some(format!("{} of {} rays of whole pictures are wrong", count(wrong.events), si(wrong.of as f64, 3)))
 }
 
-/// How far the median sample is away from its median, relative to it; `None` if there are no timings.
+/// Half the width of the median interval, relative to the time; `None` if there are no timings.
 pub(crate) fn spread(record: &Record) -> Option<f64> {
-    let spreads: Vec<f64> =
-        record.speed.iter().filter(|row| row.threads == 1).map(|row| row.ns_per_test_mad / row.ns_per_test).collect();
+    let half_width = |row: &SpeedRow| (row.ns_per_test_high - row.ns_per_test_low) / 2.0 / row.ns_per_test;
+    let spreads: Vec<f64> = record.speed.iter().filter(|row| row.threads == 1).map(half_width).collect();
     Some(median(&spreads)).filter(|spread| spread.is_finite())
 }
 
@@ -154,9 +154,8 @@ pub(crate) fn noise(record: &Record, groups: &[Group]) -> Option<String> {
     let warning = if spread > NOISY { "**The machine was noisy: trust only large differences.** " } else { "" };
     Some(format!(
         "{warning}A ray is lost if it exactly hits and is reported to miss. Speeds are those of packets of eight in \
-         one thread. The median sample was {} % away from its median. In the rankings of packets, {ties} of {pairs} \
-         pairs of neighbours tie: they differ by at most the sum of their deviations, so neither kernel is called \
-         faster.",
+         one thread. The median interval reaches {} % to either side. In the rankings of packets, {ties} of {pairs} \
+         pairs of neighbours tie: the interval of their ratio contains 1, so neither kernel is called faster.",
         number(100.0 * spread, 2)
     ))
 }
@@ -165,7 +164,7 @@ pub(crate) fn noise(record: &Record, groups: &[Group]) -> Option<String> {
 mod tests {
     use super::*;
     use crate::study::figures::groups;
-    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
+    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of, set_rounds};
 
     fn lines(record: &Record) -> Vec<String> {
         verdict(&groups(record))
@@ -178,7 +177,7 @@ mod tests {
         assert_eq!(lines.len(), 5, "{lines:#?}");
         assert!(
             lines[0].starts_with(
-                "**Triangles: `woop_dop`** loses the fewest rays, up to 0.084 % (edges). Speed: 669 M tests/s."
+                "**Triangles: `woop_dop`** loses the fewest rays, up to 0.084 % (edges). Speed: 668 M tests/s."
             ),
             "{}",
             lines[0]
@@ -194,9 +193,9 @@ mod tests {
     #[test]
     fn a_fast_kernel_that_loses_rays_is_mentioned_but_never_recommended() {
         let mut record = record_of(&["triangle/a".into(), "triangle/b".into(), "triangle/c".into()]);
-        let set = |record: &mut Record, id: &str, ns: f64, leaks: f64| {
+        let set = |record: &mut Record, id: &str, ns: &[f64], leaks: f64| {
             for row in record.speed.iter_mut().filter(|row| row.id == id) {
-                (row.ns_per_test, row.ns_per_test_mad, row.tests_per_second) = (ns, 0.01, 1e9 / ns);
+                set_rounds(row, ns);
             }
             for row in record.accuracy.iter_mut().filter(|row| row.id == id) {
                 row.t_ulp_p99 = 7;
@@ -204,9 +203,9 @@ mod tests {
                     if row.workload == "vertex_fan" && row.severity == Some(4.0) { leaks } else { 0.0 };
             }
         };
-        set(&mut record, "triangle/a", 1.0, 60_000.0);
-        set(&mut record, "triangle/b", 2.0, 0.0);
-        set(&mut record, "triangle/c", 2.01, 0.0);
+        set(&mut record, "triangle/a", &[1.0; 3], 60_000.0);
+        set(&mut record, "triangle/b", &[2.0; 3], 0.0);
+        set(&mut record, "triangle/c", &[2.01, 1.99, 2.02], 0.0);
         let [first, second, ..] = &lines(&record)[..] else { panic!("{:?}", lines(&record)) };
         assert!(first.contains("`b`** (equally fast: `c`) lost 0 of"), "{first}");
         assert!(second.contains("`a`** is 2.00× as fast, but loses up to 6.0 % (vertex fan, severity 4)"), "{second}");
@@ -216,7 +215,7 @@ mod tests {
             lines(&record)[2]
         );
         // Slower by more than the noise: no longer equally fast.
-        set(&mut record, "triangle/c", 2.03, 0.0);
+        set(&mut record, "triangle/c", &[2.03, 2.01, 2.04], 0.0);
         let generic = record.accuracy.iter_mut().find(|row| row.id == "triangle/c" && row.workload == "generic");
         generic.unwrap().t_ulp_p99 = 1;
         let exact = &lines(&record)[2];
@@ -230,8 +229,11 @@ mod tests {
     fn noise_is_reported_and_ties_are_counted() {
         let mut record = record_of(&["triangle/a".into(), "triangle/b".into(), "triangle/c".into()]);
         let text = |record: &Record| noise(record, &groups(record)).unwrap();
-        assert!(text(&record).contains("was 1.2 % away from its median") && text(&record).contains(" 0 of 2 pairs"));
-        record.speed.iter_mut().for_each(|row| row.ns_per_test_mad = row.ns_per_test);
+        assert!(text(&record).contains("reaches 1.2 % to either side") && text(&record).contains(" 0 of 2 pairs"));
+        for (number, row) in record.speed.iter_mut().enumerate() {
+            let noise = [0.2, 1.0, 5.0][number / 6];
+            set_rounds(row, &[1.0, noise, 1.0 / noise]);
+        }
         assert!(text(&record).starts_with("**The machine was noisy") && text(&record).contains(" 2 of 2 pairs"));
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::samples::Samples;
 use crate::kernels::Operations;
 
 /// One width of a kernel in one thread: the most important figures.
@@ -20,8 +21,10 @@ pub struct KernelRow {
     pub lanes: usize,
     /// Nanoseconds per test of one ray against one primitive, median.
     pub ns_per_test: f64,
-    /// Median absolute deviation of the samples.
-    pub ns_per_test_mad: f64,
+    /// Lower end of its interval.
+    pub ns_per_test_low: f64,
+    /// Upper end of its interval.
+    pub ns_per_test_high: f64,
     /// `1e9 / ns_per_test`.
     pub tests_per_second: f64,
     /// Bytes that the kernel prepares per primitive.
@@ -150,15 +153,19 @@ pub struct SpeedRow {
     pub threads: usize,
     /// Wall nanoseconds per test of one ray against one primitive, all threads together: median of the samples.
     pub ns_per_test: f64,
-    /// Median absolute deviation of the samples.
-    pub ns_per_test_mad: f64,
+    /// Lower end of its interval.
+    pub ns_per_test_low: f64,
+    /// Upper end of its interval.
+    pub ns_per_test_high: f64,
     /// `1e9 / ns_per_test`.
     pub tests_per_second: f64,
-    /// Number of samples.
-    pub samples: usize,
     /// Share of the calls (1 or 8 tests each) in which anything was hit.
     pub hit_share: f64,
-    /// Hash of the bits of every hit. It is equal for all widths and thread counts, else the study fails.
+    /// All samples of `ns_per_test`, with four significant digits: a list for each process that timed the kernels, in
+    /// the order of the rounds. All rows were timed in the same processes and rounds, so samples at the same place can
+    /// be compared. Two rows tie if the interval of the median of their ratios contains 1.
+    pub ns_of_rounds: Samples,
+    /// Hash of the bits of every hit. It is equal for all widths, thread counts and processes, else the study fails.
     pub checksum: String,
 }
 

@@ -12,6 +12,7 @@ mod json;
 mod kernels;
 mod machine;
 mod peers;
+mod samples;
 mod study;
 mod tracer;
 
@@ -22,5 +23,6 @@ pub(crate) use json::one_row_per_line;
 pub use kernels::{AbsentRow, KernelRow, MethodRow, OperationCounts, RateRow, SpeedRow};
 pub use machine::Machine;
 pub use peers::{EMBREE, OURS, PeerRow, PeersRecord, TargetRow};
+pub use samples::Samples;
 pub use study::{Record, SCHEMA};
 pub use tracer::{CoherenceRow, OnSceneRow, ScalingRow, TracerRow};

@@ -9,7 +9,7 @@ use super::peers::PeerRow;
 use super::tracer::{CoherenceRow, OnSceneRow, ScalingRow, TracerRow};
 
 /// Version of the layout. It rises when a field is removed or changes its meaning, not when one is added.
-pub const SCHEMA: u32 = 4;
+pub const SCHEMA: u32 = 5;
 
 /// One study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -29,7 +29,8 @@ Other programs may read these files. They can rely on this:
   `methods`.
 - A missing figure is `null`, if its type allows that. A rate is also zero if its base is zero, so check the base first.
 - Names give the units: seconds or nanoseconds, bytes, per second, per million, million rays per second (`mrays`).
-  `_mad` is a median absolute deviation, `_p50` and `_p99` are percentiles.
+  `_mad` is a median absolute deviation, `_p50` and `_p99` are percentiles. `_low` and `_high` are the ends of a 95 %
+  interval: a bootstrap draws processes, and then rounds within them.
 - A checksum is a text of 16 hexadecimal digits. Other whole numbers, such as `seed`, have up to 64 bits.
 
 Both files are UTF-8, with one line for each row. This page is generated from the comments in
@@ -106,7 +107,7 @@ impl File {
             "null" => "`null`".to_owned(),
             "array" => {
                 let count = value["minItems"].as_u64().map_or(String::new(), |count| format!("{count} "));
-                format!("list of {count}{}", self.type_of(&value["items"], true))
+                format!("{} of {count}{}", plural("list"), self.type_of(&value["items"], true))
             }
             other => panic!("no words for the type {other}"),
         };

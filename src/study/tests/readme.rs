@@ -19,8 +19,8 @@ fn readme_block(record: &Record, folder: &str) -> String {
     let legend = format!(
         "Speeds are tests of one ray against one primitive in packets of eight (8x1), one thread. Lost rays are per \
          million that exactly hit, in the worst workload; `0 (< b)`: none was lost, and b is the 95 % bound. ulp: 99th \
-         percentile of the error of `t`. Kernels tie if they differ by at most the noise; the median sample was \
-         {} % away from its median. Measured on {}, on this processor: {}.",
+         percentile of the error of `t`. Kernels tie if the interval of their ratio contains 1; the median \
+         interval reaches {} % to either side. Measured on {}, on this processor: {}.",
         number(100.0 * spread(record).expect("the record has timings"), 2),
         date(record.started_unix),
         record.machine.cpu

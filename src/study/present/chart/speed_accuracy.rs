@@ -177,12 +177,10 @@ fn series<'a>(group: &'a Group, value: impl Fn(&KernelFigures) -> Option<(f64, b
     series.collect()
 }
 
-/// The range of a packet's speed within the median absolute deviation of its times; `None` for scalar code.
+/// The interval of a packet's speed; `None` for scalar code.
 fn spread(kernel: &KernelFigures, width: &str) -> Option<[f64; 2]> {
     let row = kernel.speed(width, 1).filter(|_| width == PACKET)?;
-    let ns = [row.ns_per_test + row.ns_per_test_mad, row.ns_per_test - row.ns_per_test_mad];
-    // The noise may be as large as the time.
-    Some(ns.map(|ns| 1e3 / ns.max(row.ns_per_test / 100.0)))
+    Some([row.ns_per_test_high, row.ns_per_test_low].map(|ns| 1e3 / ns))
 }
 
 /// The tooltip of a mark: speed, error and lost rays of a kernel at a width.
@@ -190,8 +188,8 @@ fn tooltip(group: &Group, kernel: &KernelFigures, width: &str) -> String {
     let mut text = if width == PACKET { "packet of 8 rays" } else { "1 ray" }.to_owned();
     if let Some(row) = kernel.speed(width, 1) {
         let mtests = row.tests_per_second / 1e6;
-        let mad = mtests * row.ns_per_test_mad / row.ns_per_test;
-        text += &format!(": {} ± {} M tests/s", number(mtests, 3), number(mad, 1));
+        let [low, high] = [row.ns_per_test_high, row.ns_per_test_low].map(|ns| number(1e3 / ns, 3));
+        text += &format!(": {} ({low} to {high}) M tests/s", number(mtests, 3));
     }
     if let Some(ulp) = kernel.ulp() {
         text += &format!(", error of t {} ulp", count(ulp));
@@ -206,7 +204,7 @@ fn tooltip(group: &Group, kernel: &KernelFigures, width: &str) -> String {
 mod tests {
     use super::*;
     use crate::study::figures::groups;
-    use crate::study::tests::fixture::{all_ids, record_of};
+    use crate::study::tests::fixture::{all_ids, record_of, set_rounds};
 
     /// The overview, and the stack of panels.
     fn charts(record: &Record) -> [String; 2] {
@@ -253,17 +251,19 @@ mod tests {
         let mut record = record_of(&["triangle/cramer".into(), "triangle/woop".into()]);
         for row in &mut record.speed {
             let packet = row.width == "8x1";
-            (row.tests_per_second, row.ns_per_test, row.ns_per_test_mad) = (if packet { 8e8 } else { 2e8 }, 2.0, 0.02);
+            set_rounds(row, if packet { &[1.24, 1.25, 1.26] } else { &[4.95, 5.0, 5.05] });
         }
         for row in &mut record.accuracy {
             (row.t_ulp_p99, row.leak_per_million) = (7, if row.id == "triangle/woop" { 0.0 } else { 12.0 });
         }
         let [overview, stacked] = charts(&record);
-        let cramer =
-            "triangle/cramer, packet of 8 rays: 800 ± 8 M tests/s, error of t 7 ulp, leaks 12.0 per million</title>";
+        let cramer = "triangle/cramer, packet of 8 rays: 800 (794 to 806) M tests/s, error of t 7 ulp, leaks 12.0 per million</title>";
         for svg in [&overview, &stacked] {
             assert_eq!(
-                occurrences(svg, "triangle/cramer, 1 ray: 200 ± 2 M tests/s, error of t 7 ulp, leaks 12.0 per"),
+                occurrences(
+                    svg,
+                    "triangle/cramer, 1 ray: 200 (198 to 202) M tests/s, error of t 7 ulp, leaks 12.0 per"
+                ),
                 2
             );
             // In one panel both kernels share the place of a mark; in the other each has its own.

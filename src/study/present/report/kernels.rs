@@ -1,16 +1,16 @@
 //! The table of all kernels: times, bytes, operations and claims.
 
-use super::cells::{code, with_mad};
+use super::cells::{code, with_interval};
 use crate::study::figures::{Group, MISSING, number};
 use crate::study::present::grid::{Cell, Grid};
-use crate::study::record::OperationCounts;
+use crate::study::record::{OperationCounts, SpeedRow};
 
 /// The introduction to [`kernel_table`].
 pub(super) const KERNELS: &str = "\
 ## Kernels
 
-Times are nanoseconds per test of one ray against one primitive in one thread, median ± median absolute deviation. In \
-each group, the fastest kernel and all that tie with it are bold. `1x1` is one ray against one primitive (scalar), \
+Times are nanoseconds per test of one ray against one primitive in one thread: the median, and in brackets its 95 % \
+interval. In each group, the fastest kernel and all that tie with it are bold. `1x1` is one ray against one primitive (scalar), \
 `8x1` is eight rays against one primitive, `1x8` is one ray against eight primitives.
 
 *Bytes* are prepared per primitive. The *setup* is computed once per ray: its bytes (scalar), and its nanoseconds per \
@@ -26,9 +26,9 @@ pub(super) fn kernel_table(groups: &[Group]) -> String {
         for kernel in &group.kernels {
             let mut row = vec![code(&kernel.method.id)];
             row.extend(["1x1", "8x1", "1x8"].map(|width| {
-                let time = kernel
-                    .speed(width, 1)
-                    .map_or(MISSING.to_owned(), |row| with_mad(row.ns_per_test, row.ns_per_test_mad));
+                let with_interval =
+                    |row: &SpeedRow| with_interval(row.ns_per_test, row.ns_per_test_low, row.ns_per_test_high);
+                let time = kernel.speed(width, 1).map_or(MISSING.to_owned(), with_interval);
                 Cell::from(time).best_if(group.is_among_the_fastest(kernel, width))
             }));
             let info = kernel.method;

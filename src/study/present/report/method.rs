@@ -15,10 +15,13 @@ loading, the test, keeping the closer hit, and the ray's setup, spread over the 
 row, so the processor cannot predict branches from memory, as in a tracer. Cache misses of a real traversal are not \
 included. In a tracer, expect kernels to differ less than here, and kernels with many prepared bytes to do worse.
 
-**What is compared.** Times are medians of repeated samples, with their median absolute deviation (MAD). The samples \
-of all kernels are interleaved. Two kernels tie if their medians differ by at most the sum of their MADs. Other \
-programs may share the machine, and clock rates drift. Trust ratios between rows of one record more than absolute \
-figures, and more than ratios between records.
+**What is compared.** Times of kernels are medians over several processes, because the layout of code and memory moves \
+the median of one process by more than its samples differ. The samples of all kernels are interleaved in rounds. \
+Intervals are 95 % intervals of a bootstrap that draws processes, and then rounds within them. Two kernels tie if the \
+interval of their ratio, formed within each round, contains 1. A few processes tell little about others: such \
+intervals are rather too short than too long. Times of the tracer are medians with their median absolute deviation. \
+Other programs may share the machine, and clock rates drift. Trust ratios between rows of one record more than \
+absolute figures, and more than ratios between records.
 
 **What the errors describe.** Rays are seeded and aimed. `generic` rays go into and past a primitive of about unit \
 size from a few units away. `edge` rays go to edges, vertices, corners and planes, and to the silhouettes, rims and \

@@ -104,7 +104,7 @@ mod tests {
     use crate::study::figures::failures::Metric;
     use crate::study::present::chart::charts;
     use crate::study::record::RegimeRow;
-    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
+    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of, set_rounds};
 
     #[test]
     fn every_kernel_is_in_every_table() {
@@ -139,15 +139,15 @@ mod tests {
     fn the_advice_names_kernels_that_tie() {
         let mut record = record_of(&["triangle/a".into(), "triangle/b".into()]);
         assert!(!report_markdown(&record).contains("tied with"));
-        let times = |record: &mut Record, mad| {
+        let times = |record: &mut Record, noise| {
             for row in &mut record.speed {
-                row.ns_per_test = if row.id == "triangle/a" { 1.05 } else { 1.0 };
-                row.ns_per_test_mad = mad;
+                let noisy = [1.05, 1.05 + noise, 1.05 - noise];
+                set_rounds(row, &if row.id == "triangle/a" { noisy } else { [1.0; 3] });
             }
         };
-        times(&mut record, 0.024);
+        times(&mut record, 0.04);
         assert!(!report_markdown(&record).contains("tied with"));
-        times(&mut record, 0.026);
+        times(&mut record, 0.06);
         let report = report_markdown(&record);
         assert!(report.contains("| **`b`** ") && report.contains("; tied with `a`"));
     }
