@@ -83,6 +83,14 @@ pub(super) struct TimeKernelsArguments {
     /// How many samples of each kernel.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(super) rounds: u16,
+    /// Width and height of the scenes' pictures.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(super) picture: u32,
+    /// How many samples of each kernel in each scene.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) scene_rounds: u16,
+    /// Scenes to trace with each kernel.
+    pub(super) scenes: Vec<String>,
 }
 
 /// The arguments that `trace` and `render` share.

@@ -23,13 +23,12 @@ mod terminal;
 mod trace;
 mod usage;
 
-use std::io;
 use std::process::ExitCode;
 
-use raylanes::study::{Progress, time_kernels};
+use raylanes::study::Progress;
 use raylanes::tracer::{self, Error};
 
-use args::{Command, StudyArguments, TimeKernelsArguments};
+use args::{Command, StudyArguments};
 use usage::Request;
 
 /// Runs the command that the arguments name.
@@ -67,9 +66,7 @@ fn run(command: Command) -> Result<String, Error> {
         Command::Trace(arguments) => trace::run(&arguments, &progress),
         Command::Render(arguments) => render::run(&arguments, &progress),
         Command::List => Ok(list::run()),
-        Command::TimeKernels(TimeKernelsArguments { seed, rounds }) => {
-            time_kernels(seed, rounds.into(), &mut io::stdout().lock()).map(|()| String::new())
-        }
+        Command::TimeKernels(arguments) => study::time(&arguments).map(|()| String::new()),
     };
     progress.clear();
     outcome

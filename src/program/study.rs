@@ -10,7 +10,7 @@ use anstream::{AutoStream, ColorChoice};
 use raylanes::study::{self, Progress};
 use raylanes::tracer::{Error, SceneSource, check_output, printable_path, start_global_pool};
 
-use super::args::StudyArguments;
+use super::args::{StudyArguments, TimeKernelsArguments};
 use super::terminal;
 
 pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<String, Error> {
@@ -47,6 +47,19 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     writeln!(text, "\nWritten to {folder}: report.html (or report.md and its charts), results.json")
         .expect("strings grow");
     Ok(text)
+}
+
+/// Times what a study starts in processes of its own.
+pub(super) fn time(arguments: &TimeKernelsArguments) -> Result<(), Error> {
+    let TimeKernelsArguments { seed, rounds, picture, scene_rounds, scenes } = arguments;
+    let timed = study::Timed {
+        seed: *seed,
+        rounds: (*rounds).into(),
+        scenes: scenes.iter().map(|name| SceneSource::parse(name)).collect::<Result<_, _>>()?,
+        picture: *picture,
+        scene_rounds: (*scene_rounds).into(),
+    };
+    study::time_kernels(&timed, &mut io::stdout().lock())
 }
 
 /// Refuses to replace older results that are unwritable, or that a scene of this study consists of.

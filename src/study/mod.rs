@@ -33,7 +33,7 @@ pub use crate::files::ReservedFolder;
 pub use figures::claims;
 pub use measure::built_scene::TracerKernel;
 pub use measure::machine::build_warning;
-pub use measure::processes::{TIME_KERNELS, stop_processes, time_kernels};
+pub use measure::processes::{TIME_KERNELS, Timed, stop_processes, time_kernels};
 pub use measure::stats::median;
 pub use measure::{accuracy, coherence, ray_sets, speed};
 pub use present::terminal::terminal_table;

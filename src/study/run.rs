@@ -5,8 +5,11 @@ use std::time::{Instant, SystemTime};
 
 use super::figures::{claims, summary};
 use super::measure::accuracy::Kernels;
+use super::measure::processes::Timed;
 use super::measure::survey::Survey;
-use super::measure::{coherence, machine, on_scenes, operation_rates, processes, rounds, scaling, speed, tracer};
+use super::measure::{
+    coherence, machine, on_scenes, operation_rates, processes, rounds, scaling, scene_speed, speed, tracer,
+};
 use super::peers;
 use super::progress::Progress;
 use super::record::{AbsentRow, ClaimRow, Record, SCHEMA, seconds_since_1970};
@@ -78,11 +81,12 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
     // Many short samples: other work on the machine disturbs some of them, and the median ignores those.
-    let (processes, rounds) = if options.quick { (2, 2) } else { (5, 8) };
+    let (processes, rounds, picture, scene_rounds) = if options.quick { (2, 2, 32, 1) } else { (5, 8, 192, 3) };
+    let timed = Timed { seed: options.seed, rounds, scenes: options.scenes.clone(), picture, scene_rounds };
     let mut reach = |share| speed_part.reach(share);
     let times = match &options.program {
-        Some(program) => processes::time_in_processes(program, processes, (options.seed, rounds), &mut reach)?,
-        None => vec![processes::time_here(options.seed, processes * rounds, &mut |share| {
+        Some(program) => processes::time_in_processes(program, processes, &timed, &mut reach)?,
+        None => vec![processes::time_here(&timed, &mut |share| {
             reach(share);
             Ok(())
         })?],
@@ -104,6 +108,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     for (scene, progress) in judged_part.each(&options.scenes) {
         on_scenes.extend(on_scenes::judge(scene, (judged_size, options.seed), &progress)?);
     }
+    let scene_speed = scene_speed::rows(&on_scenes, &times)?;
     let mut tracer_rows = Vec::new();
     let (size, samples) = if options.quick { (128, 3) } else { (384, 5) };
     for (scene, progress) in scenes_part.each(&options.scenes) {
@@ -139,6 +144,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
         maps: survey.maps,
         map_cells: survey.map_cells,
         on_scenes,
+        scene_speed,
         tracer: tracer_rows,
         coherence,
         scaling,

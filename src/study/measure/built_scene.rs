@@ -5,7 +5,6 @@ use std::time::Instant;
 use super::ray_sets::{RaySet, ray_sets};
 use crate::kernels::Kernel;
 use crate::kernels::triangle::Exact;
-use crate::study::progress::Progress;
 use crate::tracer::{Error, LoadedScene, Scene, SceneSource};
 
 /// The triangle kernel that the tracer is measured with, and its default. It is never wrong: a kernel that
@@ -28,8 +27,7 @@ impl BuiltScene {
     ///
     /// # Errors
     /// If the scene cannot be loaded.
-    pub(crate) fn new(source: &SceneSource, (size, seed): (u32, u64), progress: &Progress) -> Result<Self, Error> {
-        progress.note(&format!("{}: building", source.name()));
+    pub(crate) fn new(source: &SceneSource, (size, seed): (u32, u64)) -> Result<Self, Error> {
         let LoadedScene { world, view, .. } = source.load()?;
         let start = Instant::now();
         let scene = Scene::new(world);

@@ -10,6 +10,7 @@ pub(crate) mod processes;
 pub mod ray_sets;
 pub(crate) mod rounds;
 pub(crate) mod scaling;
+pub(crate) mod scene_speed;
 mod scene_truth;
 pub mod speed;
 pub(crate) mod stats;

@@ -36,23 +36,16 @@ pub(crate) fn judge(
     (size, seed): (u32, u64),
     progress: &Progress,
 ) -> Result<Vec<OnSceneRow>, Error> {
-    let built = BuiltScene::new(source, (size, seed), progress)?;
+    progress.note(&format!("{}: exact answers", source.name()));
+    let built = BuiltScene::new(source, (size, seed))?;
     let truth = SceneTruth::new(built.scene.world());
     let edges = edge_rays(&built, &truth, seed);
-    progress.note(&format!("{}: exact answers", built.name));
     let answers = |set: &RaySet| set.rays.par_iter().map(|ray| truth.answer(ray, set.any_hit)).collect();
     let sets = built.sets.iter().chain([&edges]).filter(|set| !set.rays.is_empty()).map(|set| (set, answers(set)));
     let mut asked = Asked { built: &built, truth: &truth, sets: sets.collect(), rows: Vec::new() };
     progress.reach(0.5);
     progress.note(&format!("{}: kernels", built.name));
-    // A few triangles among quadrics, such as a ground, tell nothing about a kernel for triangles.
-    let (triangles, quadrics) = (built.scene.world().triangles(), built.scene.world().quadrics());
-    if triangles > quadrics {
-        registry::triangles(&mut asked);
-    }
-    if quadrics > 0 {
-        registry::quadrics(&mut asked);
-    }
+    for_each_kernel(&built.scene, &mut asked);
     progress.reach(1.0);
     Ok(asked.rows)
 }
@@ -71,24 +64,48 @@ fn edge_rays(built: &BuiltScene, truth: &SceneTruth, seed: u64) -> RaySet {
     RaySet { name: "edges", any_hit: false, rays }
 }
 
-impl Visitor<Triangle> for Asked<'_> {
+/// Something that is done with a scene for each kernel.
+pub(super) trait ForKernels {
+    /// Called with the ID of a kernel, and the scene prepared for it.
+    fn scene<K: Kernel<Shape = Triangle>>(&mut self, id: &str, scene: Scene<K>);
+}
+
+/// Prepares a scene for each kernel of its triangles and of its quadrics. While one of both varies, the other is that
+/// of the tracer.
+pub(super) fn for_each_kernel(scene: &Scene<TracerKernel>, action: &mut impl ForKernels) {
+    // A few triangles among quadrics, such as a ground, tell nothing about a kernel for triangles.
+    let (triangles, quadrics) = (scene.world().triangles(), scene.world().quadrics());
+    if triangles > quadrics {
+        registry::triangles(&mut Prepared { scene, action });
+    }
+    if quadrics > 0 {
+        registry::quadrics(&mut Prepared { scene, action });
+    }
+}
+
+struct Prepared<'a, A> {
+    scene: &'a Scene<TracerKernel>,
+    action: &'a mut A,
+}
+
+impl<A: ForKernels> Visitor<Triangle> for Prepared<'_, A> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        self.kernel(K::INFO.id.method, &self.built.scene.prepared_for::<K>());
+        self.action.scene(&K::INFO.id.to_string(), self.scene.prepared_for::<K>());
     }
 }
 
-impl Visitor<Quadric> for Asked<'_> {
+impl<A: ForKernels> Visitor<Quadric> for Prepared<'_, A> {
     fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
-        let scene = Scene::<TracerKernel>::with_quadrics::<K>(self.built.scene.world().clone());
-        self.kernel(K::INFO.id.method, &scene);
+        let scene = Scene::<TracerKernel>::with_quadrics::<K>(self.scene.world().clone());
+        self.action.scene(&K::INFO.id.to_string(), scene);
     }
 }
 
-impl Asked<'_> {
-    fn kernel<K: Kernel<Shape = Triangle>>(&mut self, id: &str, scene: &Scene<K>) {
+impl ForKernels for Asked<'_> {
+    fn scene<K: Kernel<Shape = Triangle>>(&mut self, id: &str, scene: Scene<K>) {
         for (set, answers) in &self.sets {
             let mut hits = vec![Hit::MISS; set.rays.len()];
-            trace_set_into(scene, &set.rays, set.any_hit, Mode::Auto, &mut hits);
+            trace_set_into(&scene, &set.rays, set.any_hit, Mode::Auto, &mut hits);
             let judged = set.rays.par_iter().zip(answers).zip(&hits).map(|((ray, answer), hit)| {
                 if set.any_hit { SceneTruth::judge_any(answer, hit.mask) } else { self.truth.judge(answer, ray, hit) }
             });
@@ -106,38 +123,6 @@ impl Asked<'_> {
                 neighbours: count(Judgement::Neighbour),
                 checksum: format!("{:016x}", checksum(&hits)),
             });
-        }
-    }
-}
-
-#[cfg(test)]
-mod lab {
-    use super::*;
-    #[test]
-    fn lab() {
-        for name in std::env::var("LAB").unwrap().split(',') {
-            let start = std::time::Instant::now();
-            let rows = judge(
-                &SceneSource::parse(name).unwrap(),
-                (std::env::var("LABSIZE").unwrap().parse().unwrap(), 1),
-                &Progress::bar(),
-            )
-            .unwrap();
-            println!("{name} {:.1}s", start.elapsed().as_secs_f64());
-            for row in rows {
-                println!(
-                    "{:12} {:18} {:32} n {:7} solid {:7} open {:5} lost {:6} false {:6} neigh {:6}",
-                    row.scene,
-                    row.rays,
-                    row.kernel,
-                    row.ray_count,
-                    row.solid,
-                    row.open,
-                    row.lost,
-                    row.false_hits,
-                    row.neighbours
-                );
-            }
         }
     }
 }

@@ -16,12 +16,28 @@ use serde::{Deserialize, Serialize};
 
 use super::operation_rates;
 use super::rounds::{self, JobTimes};
+use super::scene_speed::SceneSpeed;
 use super::speed::Speed;
 use crate::error::{quoted, reason};
-use crate::tracer::Error;
+use crate::tracer::{Error, SceneSource};
 
-/// The hidden command of the program that times kernels. Its options are `--seed` and `--rounds`.
+/// The hidden command of the program that times kernels. Its options are the fields of [`Timed`].
 pub const TIME_KERNELS: &str = "time-kernels";
+
+/// What a process times.
+#[derive(Clone, Debug)]
+pub struct Timed {
+    /// The seed of all random inputs.
+    pub seed: u64,
+    /// How many samples of each kernel.
+    pub rounds: usize,
+    /// Scenes to trace with each kernel.
+    pub scenes: Vec<SceneSource>,
+    /// Width and height of the scenes' pictures in pixels.
+    pub picture: u32,
+    /// How many samples of each kernel in each scene.
+    pub scene_rounds: usize,
+}
 
 /// A variable that only makes the environment larger.
 const PADDING: &str = "RAYLANES_PADDING";
@@ -39,47 +55,52 @@ enum Message {
     Times(Vec<JobTimes>),
 }
 
-/// Times all kernels and operations in this process. After each round, calls `after_round` with the share that is done.
+/// Times all kernels, operations and scenes in this process. After each round, calls `after_round` with the share that
+/// is done.
 ///
 /// # Errors
-/// If a kernel does not give the same hits in every round, or if `after_round` fails.
+/// If a scene cannot be loaded, if a kernel does not give the same hits in every round, or if `after_round` fails.
 pub(crate) fn time_here(
-    seed: u64,
-    rounds: usize,
+    timed: &Timed,
     after_round: &mut dyn FnMut(f64) -> Result<(), Error>,
 ) -> Result<Vec<JobTimes>, Error> {
-    let speed = Speed::new(seed);
+    let speed = Speed::new(timed.seed);
     let mut jobs = speed.timed_jobs();
     jobs.extend(operation_rates::timed_jobs());
-    rounds::take(&jobs, rounds, after_round)
+    let mut times = rounds::take(&jobs, timed.rounds, &mut |share| after_round(0.5 * share))?;
+    let scenes = SceneSpeed::new(&timed.scenes, (timed.picture, timed.seed))?;
+    times.extend(rounds::take(&scenes.timed_jobs()?, timed.scene_rounds, &mut |share| after_round(0.5 + 0.5 * share))?);
+    Ok(times)
 }
 
-/// What the hidden command does: times all kernels and operations, and writes what it measures to `out`.
+/// What the hidden command does: times all that it is told, and writes what it measures to `out`.
 ///
 /// # Errors
-/// If a kernel does not give the same hits in every round, or if nobody reads.
-pub fn time_kernels(seed: u64, rounds: usize, out: &mut dyn Write) -> Result<(), Error> {
+/// If a scene cannot be loaded, if a kernel does not give the same hits in every round, or if nobody reads.
+pub fn time_kernels(timed: &Timed, out: &mut dyn Write) -> Result<(), Error> {
     let mut send = |message: &Message| {
         let line = serde_json::to_string(message).expect("times are plain data");
         writeln!(out, "{line}").and_then(|()| out.flush()).map_err(Error::writing(Path::new("standard output")))
     };
-    let times = time_here(seed, rounds, &mut |share| send(&Message::Done(share)))?;
+    let times = time_here(timed, &mut |share| send(&Message::Done(share)))?;
     send(&Message::Times(times))
 }
 
-/// Times all kernels and operations in `count` processes of this program, one after the other.
+/// Times all that it is told in `count` processes of this program, one after the other.
 ///
 /// # Errors
 /// If a process cannot be started, fails, or writes something else.
 pub(crate) fn time_in_processes(
     program: &Path,
     count: usize,
-    (seed, rounds): (u64, usize),
+    timed: &Timed,
     after_round: &mut dyn FnMut(f64),
 ) -> Result<Vec<Vec<JobTimes>>, Error> {
     let times = |number: usize| {
         let mut command = Command::new(program);
-        command.args([TIME_KERNELS, "--seed", &seed.to_string(), "--rounds", &rounds.to_string()]);
+        command.args([TIME_KERNELS, "--seed", &timed.seed.to_string(), "--rounds", &timed.rounds.to_string()]);
+        command.args(["--picture", &timed.picture.to_string(), "--scene-rounds", &timed.scene_rounds.to_string()]);
+        command.arg("--").args(timed.scenes.iter().map(SceneSource::argument));
         command.env(PADDING, "x".repeat(number * PADDING_BYTES));
         times_of(command, &mut |share| after_round((number as f64 + share) / count as f64)).map_err(|failure| {
             let message = format!("process {} of {count} that times kernels: {failure}", number + 1);
@@ -210,7 +231,8 @@ mod tests {
         }
         let nowhere = times_of(Command::new("/nowhere/program"), &mut |_| ()).unwrap_err();
         assert_eq!(nowhere, "No such file or directory");
-        let error = time_in_processes(Path::new("/nowhere/program"), 5, (1, 1), &mut |_| ()).unwrap_err().to_string();
+        let timed = Timed { seed: 1, rounds: 1, scenes: Vec::new(), picture: 1, scene_rounds: 1 };
+        let error = time_in_processes(Path::new("/nowhere/program"), 5, &timed, &mut |_| ()).unwrap_err().to_string();
         let expected = "/nowhere/program: process 1 of 5 that times kernels: No such file or directory";
         assert_eq!(error, expected);
 

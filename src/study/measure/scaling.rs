@@ -34,7 +34,7 @@ impl ScalingOptions {
 /// If two runs of the same rays disagree.
 pub(crate) fn measure(options: ScalingOptions, seed: u64, progress: &Progress) -> Result<Vec<ScalingRow>, Error> {
     let (size, samples) = if options.quick { (64, 3) } else { (512, 5) };
-    let build = |name: &&str| BuiltScene::new(&SceneSource::parse(name)?, (size, seed), progress);
+    let build = |name: &&str| BuiltScene::new(&SceneSource::parse(name)?, (size, seed));
     let scenes = options.scenes().iter().map(build).collect::<Result<Vec<_>, _>>()?;
     progress.note("terrain: cost by size");
     let pool = thread_pool(1)?;

@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn every_mode_is_timed_and_gives_the_same_hits() {
         let (source, progress) = (SceneSource::parse("sphere:small").unwrap(), Progress::bar());
-        let built = BuiltScene::new(&source, (32, 1), &progress).unwrap();
+        let built = BuiltScene::new(&source, (32, 1)).unwrap();
         let pools = [1, 2].map(|threads| thread_pool(threads).unwrap());
         let of_set =
             |set| Mode::ALL.map(|mode| Job { scene: &built.scene, set, mode, pool: &pools[mode as usize % 2] });

@@ -17,7 +17,8 @@ pub(crate) fn measure(
     thread_counts: &[usize],
     progress: &Progress,
 ) -> Result<Vec<TracerRow>, Error> {
-    let built = BuiltScene::new(source, (size, seed), progress)?;
+    progress.note(&format!("{}: building", source.name()));
+    let built = BuiltScene::new(source, (size, seed))?;
     let pools = thread_counts.iter().map(|&threads| thread_pool(threads)).collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
     for (set, progress) in progress.each(&built.sets) {

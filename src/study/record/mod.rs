@@ -25,4 +25,4 @@ pub use machine::Machine;
 pub use peers::{EMBREE, OURS, PeerRow, PeersRecord, TargetRow};
 pub use samples::Samples;
 pub use study::{Record, SCHEMA};
-pub use tracer::{CoherenceRow, OnSceneRow, ScalingRow, TracerRow};
+pub use tracer::{CoherenceRow, OnSceneRow, ScalingRow, SceneSpeedRow, TracerRow};

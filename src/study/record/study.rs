@@ -6,7 +6,7 @@ use super::accuracy::{AccuracyRow, ClaimRow, MapCells, MapRow, RegimeRow};
 use super::kernels::{AbsentRow, KernelRow, MethodRow, RateRow, SpeedRow};
 use super::machine::Machine;
 use super::peers::PeerRow;
-use super::tracer::{CoherenceRow, OnSceneRow, ScalingRow, TracerRow};
+use super::tracer::{CoherenceRow, OnSceneRow, ScalingRow, SceneSpeedRow, TracerRow};
 
 /// Version of the layout. It rises when a field is removed or changes its meaning, not when one is added.
 pub const SCHEMA: u32 = 5;
@@ -50,6 +50,8 @@ pub struct Record {
     pub map_cells: Vec<MapCells>,
     /// Scene × rays × kernel: wrong answers on the rays of a picture.
     pub on_scenes: Vec<OnSceneRow>,
+    /// Scene × rays × kernel: throughput of the tracer with each kernel.
+    pub scene_speed: Vec<SceneSpeedRow>,
     /// Scene × rays × mode × threads: throughput of the tracer.
     pub tracer: Vec<TracerRow>,
     /// Scene × jitter × mode: the tracer on less and less coherent rays.

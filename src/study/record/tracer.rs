@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::samples::Samples;
+
 /// Throughput of the tracer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -63,6 +65,30 @@ pub struct OnSceneRow {
     /// right one. The place is right up to rounding. Not counted in `false_hits`.
     pub neighbours: u64,
     /// Hash of the bits of every hit.
+    pub checksum: String,
+}
+
+/// Throughput of the tracer with one kernel on the rays of a picture. Mode auto, one thread.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct SceneSpeedRow {
+    /// Scene name.
+    pub scene: String,
+    /// Set of rays, as in [`TracerRow::rays`]. The picture is smaller than the one whose answers are judged.
+    pub rays: String,
+    /// Kernel ID.
+    pub kernel: String,
+    /// Wall nanoseconds per ray: median of the samples.
+    pub ns_per_ray: f64,
+    /// Lower end of its interval.
+    pub ns_per_ray_low: f64,
+    /// Upper end of its interval.
+    pub ns_per_ray_high: f64,
+    /// `1e3 / ns_per_ray`.
+    pub mrays_per_second: f64,
+    /// All samples of `ns_per_ray`, as in [`SpeedRow::ns_of_rounds`](super::SpeedRow::ns_of_rounds).
+    pub ns_of_rounds: Samples,
+    /// Hash of the bits of every hit. It is equal in all processes, else the study fails.
     pub checksum: String,
 }
 

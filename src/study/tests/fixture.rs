@@ -75,6 +75,7 @@ pub(crate) fn record_of(ids: &[String]) -> Record {
         maps: maps(),
         map_cells: Vec::new(),
         on_scenes: Vec::new(),
+        scene_speed: Vec::new(),
         tracer: tracer_rows(),
         coherence: ["terrain:1e5", "room"].into_iter().flat_map(coherence_rows).collect(),
         scaling: scaling_rows(),

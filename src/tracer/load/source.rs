@@ -61,6 +61,15 @@ impl SceneSource {
         }
     }
 
+    /// What [`SceneSource::parse`] makes this of.
+    #[cfg(feature = "study")]
+    pub(crate) fn argument(&self) -> &std::ffi::OsStr {
+        match self {
+            Self::BuiltIn { name, .. } => name.as_ref(),
+            Self::Mesh(path) | Self::Toml(path) => path.as_os_str(),
+        }
+    }
+
     /// Reads the files of the scene once, to find an error in them before long work. Does nothing for a pipe, which can
     /// be read only once, and for a built-in scene.
     ///
