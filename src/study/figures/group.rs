@@ -1,7 +1,7 @@
 //! Groups of kernels that can be compared with each other, and which rays count as lost in each group.
 
 use super::kernel::{Failures, KernelFigures, fastest_of, rows_of, tied};
-use super::rate::{Rate, false_hits, leaks, lost_by_boxes};
+use super::rate::{Rate, false_or_double, leaks, lost_by_boxes};
 use crate::study::record::{AccuracyRow, MethodRow, Record, RegimeRow};
 
 /// Kernels that can be compared: those of one shape. Instances of a shape are a group of their own.
@@ -171,7 +171,8 @@ fn group<'a>(record: &'a Record, family: &'a str, inner: Option<&'a str>, kernel
         .iter()
         .map(|&kernel| {
             let rows = || rows_of(record, &kernel.id).filter(|row| deciding.contains(&row.workload.as_str()));
-            let (lost, false_hits) = (Failures::over(rows(), |row| loss.rate(row)), Failures::over(rows(), false_hits));
+            let (lost, false_hits) =
+                (Failures::over(rows(), |row| loss.rate(row)), Failures::over(rows(), false_or_double));
             let rates = [lost.map(|lost| lost.rate), false_hits.map(|false_hits| false_hits.rate)];
             // A false hit of a bounding box only costs a look inside.
             let counted = if loss == Loss::WithBoundary { 1 } else { 2 };

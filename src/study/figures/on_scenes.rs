@@ -1,7 +1,8 @@
 //! What kernels do to the pictures of whole scenes.
 
 use super::rate::Rate;
-use crate::study::record::{OnSceneRow, Record};
+use crate::study::measure::stats::{Estimate, ratio, typical};
+use crate::study::record::{OnSceneRow, Record, Samples, SceneSpeedRow};
 
 /// The name of the set of rays that are aimed at edges. All other sets are those of a picture.
 pub(crate) const EDGES: &str = "edges";
@@ -45,4 +46,30 @@ impl Answers {
     pub(crate) fn wrong(&self) -> Rate {
         Rate { events: self.lost.events + self.false_hits.events, of: self.lost.of }
     }
+}
+
+/// The times of one kernel in all scenes together: in each round, the geometric mean of the nanoseconds per ray over the
+/// scenes and those sets of rays that are meant. A scene weighs as much as any other. `None` if there are none.
+pub(crate) fn times(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow) -> bool) -> Option<Samples> {
+    let rows: Vec<_> = record.scene_speed.iter().filter(|row| row.kernel == id && is_meant(row)).collect();
+    let groups = rows.first()?.ns_of_rounds.groups();
+    let mean = |group: usize, round: usize| {
+        let samples = rows.iter().filter_map(|row| row.ns_of_rounds.groups().get(group)?.get(round));
+        let logarithms: Vec<f64> = samples.map(|ns| ns.ln()).collect();
+        (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()
+    };
+    let of_group = |(group, rounds): (usize, &Vec<f64>)| (0..rounds.len()).map(|round| mean(group, round)).collect();
+    Some(Samples::new(&groups.iter().enumerate().map(of_group).collect::<Vec<_>>()))
+}
+
+/// Million rays per second of a kernel in the scenes; see [`times`].
+pub(crate) fn mrays(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow) -> bool) -> Option<Estimate> {
+    let ns = typical(&times(record, id, is_meant)?)?;
+    Some(Estimate { value: 1e3 / ns.value, low: 1e3 / ns.high, high: 1e3 / ns.low })
+}
+
+/// How much faster the first kernel traces the scenes than the second.
+pub(crate) fn gain(record: &Record, [first, second]: [&str; 2]) -> Option<Estimate> {
+    let [first, second] = [first, second].map(|id| times(record, id, |_| true));
+    ratio(&second?, &first?)
 }

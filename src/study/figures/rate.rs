@@ -121,10 +121,9 @@ pub(crate) fn ulp_p99(row: &AccuracyRow) -> Option<u64> {
     (row.agreed_hits > 0).then_some(row.t_ulp_p99)
 }
 
-/// False hits, per ray: pairs that exactly miss and are reported as hits. In a mesh, a double hit is one of them.
-pub(crate) fn false_hits(row: &AccuracyRow) -> Option<Rate> {
-    let events = Rate::new(row.false_hit_per_million, row.exact_misses).map_or(0, |rate| rate.events);
-    Rate::of_events(events, row.rays)
+/// Hits of what a ray exactly misses. In a mesh, rays that hit more than one triangle count, each once.
+pub(crate) fn false_or_double(row: &AccuracyRow) -> Option<Rate> {
+    if row.mesh_hits > 0 { double_hits(row) } else { Rate::new(row.false_hit_per_million, row.exact_misses) }
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The verdict: which kernel to use, what that costs, and how noisy the timings were. It opens the report and ends the
 //! table on the terminal.
 
-use crate::study::figures::on_scenes::Answers;
+use crate::study::figures::on_scenes::{Answers, gain};
 use crate::study::figures::{Failures, Group, KernelFigures, Loss, count, number, severity, si, tied, times};
-use crate::study::measure::stats::median;
+use crate::study::measure::stats::{Estimate, median};
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
 /// The report warns if the median absolute deviation of the timings exceeds this share of the median.
@@ -96,14 +96,21 @@ fn faster(
         let gain = best.ns(width).zip(first.ns(width)).map(|(best, first)| best / first);
         format!("{} ({width})", times(gain))
     });
+    let scenes = gain(record, [&first.method.id, &best.method.id]);
+    let scenes = scenes.map_or(String::new(), |gain| format!("; whole scenes: {}", interval(gain)));
     let pictures = in_pictures(record, first).map_or(String::new(), |text| format!("; {text}"));
     Some(format!(
-        "`{}`{} is faster, {}, but wrong: {}{pictures}.",
+        "`{}`{} is faster, {} per test{scenes}. It is wrong: {}{pictures}.",
         first.name,
         tied_with(ties),
         widths.join(", "),
         failures(group, first)?
     ))
+}
+
+/// A ratio with its interval.
+fn interval(ratio: Estimate) -> String {
+    format!("{} ({} to {})", times(Some(ratio.value)), number(ratio.low, 3), number(ratio.high, 3))
 }
 
 /// The highest rates at which a kernel fails, and where.
@@ -114,7 +121,8 @@ fn failures(group: &Group, kernel: &KernelFigures) -> Option<String> {
     };
     let lost = worst("loses", kernel.lost);
     // A false hit of a bounding box is harmless.
-    let false_hits = if group.loss == Loss::WithBoundary { None } else { worst("false hits:", kernel.false_hits) };
+    let false_hits =
+        if group.loss == Loss::WithBoundary { None } else { worst("hits falsely or twice", kernel.false_hits) };
     let both: Vec<_> = [lost, false_hits].into_iter().flatten().collect();
     (!both.is_empty()).then(|| both.join(", "))
 }
