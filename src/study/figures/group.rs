@@ -208,7 +208,7 @@ fn common_prefix<'a>(kernels: &[&'a MethodRow]) -> &'a str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::tests::fixture::{all_ids, record_of};
+    use crate::study::tests::fixture::{all_ids, record_of, set_rounds};
 
     #[test]
     fn a_box_loses_strict_hits_and_boundary_hits() {
@@ -218,11 +218,11 @@ mod tests {
         (row.exact_hits, row.false_miss_per_million) = (1000, 5000.0);
         (row.boundary_none, row.boundary_one, row.boundary_many) = (45, 955, 0);
         let lost = groups(&record)[0].kernels[0].lost.unwrap();
-        assert_eq!((lost.events(), lost.of), (50.0, 2000));
+        assert_eq!(Some(lost.rate), Rate::of_events(50, 2000));
     }
 
     #[test]
-    fn lost_rays_come_from_the_worst_workload_aimed_at_losses() {
+    fn workloads_aimed_at_failures_decide_all_together() {
         let mut record = record_of(&["triangle/cramer".into(), "aabb/division".into()]);
         for row in &mut record.accuracy {
             (row.leak_per_million, row.false_miss_per_million, row.boundary_none) = (0.0, 0.0, 0);
@@ -236,23 +236,40 @@ mod tests {
             }
         }
         let groups = groups(&record);
-        assert_eq!(groups[0].loss_workloads, ["edge", "shared_edge", "vertex_fan", "closed_mesh"]);
-        assert_eq!(groups[1].loss_workloads, ["edge", "box_edge", "box_corner", "parallel", "flat"]);
+        assert_eq!(groups[0].deciding, ["edge", "shared_edge", "vertex_fan", "closed_mesh"]);
+        assert_eq!(groups[1].deciding, ["edge", "box_edge", "box_corner", "parallel", "flat"]);
         let [triangle, bounds] = [0, 1].map(|group: usize| &groups[group].kernels[0]);
-        assert_eq!(triangle.lost, Rate::new(70.0, 20_000));
-        assert_eq!(triangle.lost_in.map(|row| row.severity), Some(Some(256.0)));
-        assert!(bounds.lost.is_some_and(|lost| (lost.events() - 1.0).abs() < 1e-9));
-        assert_eq!(bounds.lost_in.map(|row| row.workload.as_str()), Some("flat"));
+        let lost = triangle.lost.unwrap();
+        let aimed = |row: &&AccuracyRow| row.id == "triangle/cramer" && row.mesh_hits > 0;
+        let all = record.accuracy.iter().filter(aimed).map(|row| row.mesh_hits).sum();
+        assert_eq!(lost.rate, Rate { events: 1, of: all });
+        let (row, worst) = lost.worst.unwrap();
+        assert_eq!((row.severity, worst), (Some(256.0), Rate::new(70.0, 20_000).unwrap()));
+        let lost = bounds.lost.unwrap();
+        assert_eq!((lost.rate.events, lost.worst.unwrap().0.workload.as_str()), (1, "flat"));
     }
 
     #[test]
-    fn a_zero_of_lost_rays_counts_all_rays() {
-        let mut record = record_of(&["triangle/cramer".into()]);
-        record.accuracy.iter_mut().for_each(|row| row.leak_per_million = 0.0);
-        let all = record.accuracy.iter().map(|row| row.mesh_hits).sum();
-        let kernel = &groups(&record)[0].kernels[0];
-        assert!(all > 200_000 && kernel.lost_in.is_none());
-        assert_eq!(kernel.lost, Rate::new(0.0, all));
+    fn a_kernel_that_always_hits_is_not_the_safest() {
+        let mut record = record_of(&["triangle/always".into(), "triangle/right".into(), "triangle/tied".into()]);
+        for row in &mut record.accuracy {
+            (row.leak_per_million, row.double_hit_per_million) = (0.0, 0.0);
+            match row.id.as_str() {
+                "triangle/always" => row.double_hit_per_million = 1e6,
+                // One event in all of these rays is no difference.
+                "triangle/tied" if row.workload == "edge" => row.leak_per_million = 1e6 / row.mesh_hits as f64,
+                _ => {}
+            }
+        }
+        for row in &mut record.speed {
+            let ns = if row.id == "triangle/always" { 1.0 } else { 2.0 };
+            set_rounds(row, &[0.99, 1.0, 1.01].map(|noise| noise * ns));
+        }
+        let groups = groups(&record);
+        let names: Vec<_> = groups[0].safest().iter().map(|kernel| kernel.name.as_str()).collect();
+        assert_eq!(names, ["right", "tied"]);
+        let wrong = |kernel: usize| groups[0].kernels[kernel].wrong.unwrap().events;
+        assert!(wrong(0) > 10_000 && wrong(1) == 0 && wrong(2) == 1);
     }
 
     #[test]

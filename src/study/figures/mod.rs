@@ -1,6 +1,7 @@
 //! Figures that follow from the rows of a record: rates, groups of kernels, failures, limits, ratios of the tracer. Two
 //! files also derive rows of the record from other rows: `summary` and `claims`.
 
+mod binomial;
 pub mod claims;
 pub(crate) mod failures;
 mod format;

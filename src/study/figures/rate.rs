@@ -3,8 +3,7 @@
 
 use std::fmt;
 
-use statrs::function::beta::{beta_reg, inv_beta_reg};
-
+use super::binomial::{at_least, at_most, rising_to};
 use super::format::number;
 use crate::study::record::AccuracyRow;
 
@@ -41,10 +40,14 @@ impl Rate {
     /// Confidence or Fiducial Limits Illustrated in the Case of the Binomial", 1934. It is exact: at least 95 % of such
     /// intervals contain the true rate, also for rare events.
     pub(crate) fn interval(self) -> [f64; 2] {
-        let (events, others) = (self.events as f64, (self.of - self.events) as f64);
+        let Self { events, of } = self;
         let tail = SIGNIFICANCE / 2.0;
-        let least = if self.events == 0 { 0.0 } else { inv_beta_reg(events, others + 1.0, tail) };
-        let most = if others == 0.0 { 1.0 } else { inv_beta_reg(events + 1.0, others, 1.0 - tail) };
+        let least = if events == 0 { 0.0 } else { rising_to(tail, |p| at_least(events, of, p)) };
+        let most = match events {
+            0 => -(tail.ln() / of as f64).exp_m1(),
+            _ if events == of => 1.0,
+            _ => rising_to(1.0 - tail, |p| 1.0 - at_most(events, of, p)),
+        };
         [least * 1e6, most * 1e6]
     }
 
@@ -57,16 +60,9 @@ impl Rate {
     /// rates are equal; they tie if it is not in the outer 5 % of that distribution. Source: J. Przyborowski, H.
     /// Wilenski, "Homogeneity of Results in Testing Samples from Poisson Series", 1940.
     pub(crate) fn ties_with(self, other: Self) -> bool {
-        let all = (self.events + other.events) as f64;
-        if all == 0.0 {
-            return true;
-        }
+        let all = self.events + other.events;
         let share = self.of as f64 / (self.of + other.of) as f64;
-        // The probabilities of at most, and of at least, as many events: incomplete beta functions.
-        let events = self.events as f64;
-        let at_most = if events == all { 1.0 } else { beta_reg(all - events, events + 1.0, 1.0 - share) };
-        let at_least = if events == 0.0 { 1.0 } else { beta_reg(events, all - events + 1.0, share) };
-        2.0 * at_most.min(at_least) > SIGNIFICANCE
+        2.0 * at_most(self.events, all, share).min(at_least(self.events, all, share)) > SIGNIFICANCE
     }
 
     /// The sum of several counts; `None` if there are none.
@@ -145,7 +141,8 @@ mod tests {
     }
 
     #[test]
-    fn intervals_are_those_of_published_tables() {
+    fn intervals_are_those_of_a_statistics_program() {
+        // From `binom.test` of R.
         let near = |rate: Rate, [least, most]: [f64; 2]| {
             let interval = rate.interval().map(|end| end / 1e6);
             let is_near = |value: f64, expected: f64| (value - expected).abs() <= 1e-4 * expected.max(1e-9);

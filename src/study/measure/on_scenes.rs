@@ -126,3 +126,29 @@ impl ForKernels for Asked<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of a small picture: the kernel's lost and false rays in pictures, and at edges.
+    fn wrong(scene: &str, kernel: &str) -> [u64; 2] {
+        let rows = judge(&SceneSource::parse(scene).unwrap(), (48, 1), &Progress::bar()).unwrap();
+        let sum = |edges: bool| {
+            let rows = rows.iter().filter(|row| row.kernel == kernel && (row.rays == "edges") == edges);
+            rows.map(|row| row.lost + row.false_hits).sum()
+        };
+        assert!(rows.iter().any(|row| row.kernel == kernel && row.solid > 500));
+        [sum(false), sum(true)]
+    }
+
+    #[test]
+    fn exact_kernels_are_right_in_scenes_and_others_are_not() {
+        assert_eq!(wrong("sphere:1e3", "triangle/exact"), [0, 0]);
+        let [pictures, _] = wrong("sphere:1e3", "triangle/baldwin_weber");
+        assert!(pictures > 50, "prepared planes shadow themselves: {pictures}");
+        let [_, edges] = wrong("terrain:1e3", "triangle/moller_trumbore");
+        assert!(edges > 10, "{edges}");
+        assert_eq!(wrong("gallery", "quadric/f64")[0], 0);
+    }
+}

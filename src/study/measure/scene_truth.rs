@@ -358,3 +358,129 @@ impl Tree {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Quadric;
+    use crate::study::workload::{in_cube, rng};
+    use crate::tracer::{Mesh, Placement};
+
+    fn triangle(vertices: [[f32; 3]; 3]) -> Triangle {
+        let [v0, v1, v2] = vertices.map(Vec3::from);
+        Triangle { v0, v1, v2 }
+    }
+
+    fn world(triangles: &[Triangle]) -> World {
+        Mesh::from_triangles(triangles).unwrap().into()
+    }
+
+    fn hit(primitive: u32) -> Hit<f32> {
+        Hit { primitive, instance: 0, ..Hit::<f32>::new(true, 1.0, 0.0, 0.0) }
+    }
+
+    /// A ray down at a point of the plane `z = 0`.
+    fn down(x: f32, y: f32) -> Ray<f32> {
+        Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z)
+    }
+
+    /// A square of two triangles, and a larger triangle below it.
+    fn square() -> World {
+        world(&[
+            triangle([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0]]),
+            triangle([[0.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]]),
+            triangle([[-9.0, -9.0, -1.0], [19.0, -9.0, -1.0], [-9.0, 19.0, -1.0]]),
+        ])
+    }
+
+    #[test]
+    fn reports_are_judged_by_what_the_ray_exactly_hits() {
+        use Judgement::{False, Lost, Neighbour, Right};
+        let world = square();
+        let truth = SceneTruth::new(&world);
+        let judge = |ray: &Ray<f32>| {
+            let answer = truth.answer(ray, false);
+            [Hit::MISS, hit(0), hit(1), hit(2)].map(|hit| truth.judge(&answer, ray, &hit))
+        };
+        assert_eq!(judge(&down(3.0, 1.0)), [Lost, Right, Neighbour, Lost], "inside the first triangle");
+        assert_eq!(judge(&down(2.0, 2.0)), [Lost, Right, Right, Lost], "on the diagonal");
+        assert_eq!(judge(&down(4.0, 2.0)), [Lost, Right, Neighbour, Right], "on the border: it may count or not");
+        assert_eq!(judge(&down(5.0, 1.0)), [Lost, False, False, Right], "beside the square");
+        assert_eq!(judge(&down(18.0, 18.0)), [Right, False, False, False], "beside everything");
+        let any = |ray: &Ray<f32>| [false, true].map(|hit| SceneTruth::judge_any(&truth.answer(ray, true), hit));
+        assert_eq!(any(&down(3.0, 1.0)), [Lost, Right]);
+        assert_eq!(any(&down(18.0, 18.0)), [Right, False]);
+        let ray = Ray { t_max: 1.5, ..down(4.0, 2.0) };
+        assert_eq!(any(&ray), [Right, Right], "only a border");
+        assert!(truth.answer(&ray, false).is_open());
+    }
+
+    #[test]
+    fn an_edge_is_solid_unless_its_triangles_face_different_ways() {
+        // A ridge along x. A ray along y touches it; a ray along z crosses it. Seen from above, both triangles wind the
+        // same way.
+        let ridge = world(&[
+            triangle([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0]]),
+            triangle([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -1.0]]),
+        ]);
+        let truth = SceneTruth::new(&ridge);
+        let touching = truth.answer(&Ray::new(Vec3::new(0.0, -5.0, 0.0), Vec3::Y), false);
+        assert!(touching.is_open() && touching.accepted.len() == 2);
+        let crossing = truth.answer(&Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z), false);
+        assert!(crossing.solid && crossing.accepted.len() == 2);
+        let solid = square();
+        assert!(SceneTruth::new(&solid).answer(&down(1.0, 1.0), false).solid);
+    }
+
+    #[test]
+    fn the_tree_overlooks_nothing() {
+        let mut rng = rng(7, "scene", "truth", &[], 0);
+        let mut vector = |size| in_cube(&mut rng, size);
+        let triangles: Vec<_> = (0..60)
+            .map(|_| {
+                let (at, [a, b, c]) = (vector(4.0), [0, 1, 2].map(|_| vector(1.0)));
+                Triangle { v0: at + a, v1: at + b, v2: at + c }
+            })
+            .collect();
+        let geometries = vec![
+            Geometry::Mesh(Mesh::from_triangles(&triangles).unwrap()),
+            Quadric::ellipsoid(Vec3::new(1.0, 2.0, 0.5)).into(),
+            Geometry::closed_cylinder(1.0, 0.5),
+        ];
+        let mut placements: Vec<_> = (0..20)
+            .map(|number| {
+                let [x, y, z] = [0, 1, 2].map(|_| vector(1.0));
+                let matrix3 = glam::Mat3::from_cols(x + Vec3::X, y + Vec3::Y, z + Vec3::Z);
+                Placement::new(number % 3, Affine3 { matrix3, translation: vector(1e3) })
+            })
+            .collect();
+        placements.push(Placement::new(0, Affine3::IDENTITY));
+        let world = World::new(geometries, placements).unwrap();
+        let truth = SceneTruth::new(&world);
+        let mut hits = 0;
+        for _ in 0..2000 {
+            let target = world.instances()[(vector(1.0).x.abs() * 20.99) as usize].object_to_world.translation;
+            let origin = vector(1e3);
+            let ray = Ray::new(origin, target + vector(3.0) - origin);
+            let mut all: Vec<(f32, Place)> = Vec::new();
+            for (instance, placement) in (0..).zip(world.instances()) {
+                let first = truth.first_primitive[placement.geometry as usize];
+                for number in 0..world.geometries()[placement.geometry as usize].primitives() as u32 {
+                    let place = Place { instance, primitive: first + number };
+                    let truth = truth.truth(place, &ray);
+                    if truth.hit {
+                        assert!(!truth.boundary, "random rays meet no boundary");
+                        all.push((truth.t, place));
+                    }
+                }
+            }
+            let least = all.iter().map(|(t, _)| *t).fold(f32::INFINITY, f32::min);
+            let nearest: Vec<_> = all.iter().filter(|(t, _)| *t == least).map(|(_, place)| *place).collect();
+            let answer = truth.answer(&ray, false);
+            assert_eq!((answer.accepted, answer.solid), (nearest, !all.is_empty()), "{ray:?}");
+            assert_eq!(truth.answer(&ray, true).solid, !all.is_empty(), "{ray:?}");
+            hits += usize::from(!all.is_empty());
+        }
+        assert!(hits > 300, "{hits}");
+    }
+}

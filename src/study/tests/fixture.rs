@@ -6,7 +6,8 @@ use crate::study::measure::stats::{mad, median, typical};
 use crate::study::measure::{coherence, ray_sets};
 use crate::study::record::{
     AbsentRow, AccuracyRow, ClaimRow, CoherenceRow, Disagreements, EMBREE, Machine, MapCells, MapRow, MethodRow, OURS,
-    OperationCounts, PeerRow, RateRow, Record, RegimeRow, SCHEMA, Samples, ScalingRow, SpeedRow, TracerRow,
+    OnSceneRow, OperationCounts, PeerRow, RateRow, Record, RegimeRow, SCHEMA, Samples, ScalingRow, SceneSpeedRow,
+    SpeedRow, TracerRow,
 };
 use crate::tracer::Mode;
 
@@ -88,8 +89,49 @@ pub(crate) fn record_of(ids: &[String]) -> Record {
     for (i, id) in ids.iter().enumerate() {
         add_kernel(&mut record, i, id);
     }
+    add_scenes(&mut record, ids);
     record.kernels = summary::kernels(&record);
     record
+}
+
+/// One scene for each shape that can be traced, and every kernel on it.
+fn add_scenes(record: &mut Record, ids: &[String]) {
+    for (i, id) in ids.iter().enumerate() {
+        let scene = match id.split('/').next() {
+            Some("triangle") => "room",
+            Some("quadric") => "gallery",
+            _ => continue,
+        };
+        for (number, rays) in ray_sets::NAMES.into_iter().chain(["edges"]).enumerate() {
+            record.on_scenes.push(OnSceneRow {
+                scene: scene.into(),
+                rays: rays.into(),
+                kernel: id.clone(),
+                ray_count: 262_144,
+                solid: 200_000,
+                open: 3,
+                lost: if rays == "edges" { [0, 5000, 1][i % 3] } else { 0 },
+                false_hits: [0, 40][i % 2],
+                neighbours: 7,
+                checksum: format!("{i:016x}"),
+            });
+            if rays == "edges" {
+                continue;
+            }
+            let ns = 40.0 * (1.0 + 0.03 * i as f64) * (1.0 + number as f64);
+            record.scene_speed.push(SceneSpeedRow {
+                scene: scene.into(),
+                rays: rays.into(),
+                kernel: id.clone(),
+                ns_per_ray: ns,
+                ns_per_ray_low: 0.99 * ns,
+                ns_per_ray_high: 1.01 * ns,
+                mrays_per_second: 1e3 / ns,
+                ns_of_rounds: Samples::new(&[vec![0.99 * ns, ns], vec![1.01 * ns, ns]]),
+                checksum: format!("{i:016x}"),
+            });
+        }
+    }
 }
 
 fn rates() -> Vec<RateRow> {
@@ -280,6 +322,8 @@ pub(crate) fn degenerate_records() -> [Record; 3] {
 }
 
 fn clear_tracer(record: &mut Record) {
+    record.on_scenes.clear();
+    record.scene_speed.clear();
     record.tracer.clear();
     record.coherence.clear();
     record.scaling.clear();

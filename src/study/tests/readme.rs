@@ -1,34 +1,28 @@
-//! Tests the README's block about a dated record: its verdict, and which kernel of each family to use.
+//! Tests the README's block about a dated record: its verdict.
 
 use std::fs;
 use std::path::Path;
 
-use crate::study::figures::{Group, groups, number};
+use crate::study::figures::{Group, groups};
 use crate::study::present::chart::SPEED_ACCURACY;
-use crate::study::present::report::advice_table;
-use crate::study::present::verdict::{spread, verdict_list};
+use crate::study::present::verdict::{noise, verdict_list};
 use crate::study::record::{Record, date};
 
-/// The README's block about a record: its verdict, and which kernel of each family to use. Lines have at most 120
-/// columns, except those of the table.
+/// The README's block about a record: its verdict, how sure it is, and on what machine. Lines have at most 120 columns.
 fn readme_block(record: &Record, folder: &str) -> String {
     let mut groups = groups(record);
     groups.retain(Group::is_base);
-    let verdict = verdict_list(&groups).unwrap_or_default();
+    let verdict = verdict_list(record, &groups).unwrap_or_default();
     let verdict: Vec<_> = verdict.lines().map(|line| wrapped(line, "  ")).collect();
     let legend = format!(
-        "Speeds are tests of one ray against one primitive in packets of eight (8x1), one thread. Lost rays are per \
-         million that exactly hit, in the worst workload; `0 (< b)`: none was lost, and b is the 95 % bound. ulp: 99th \
-         percentile of the error of `t`. Kernels tie if the interval of their ratio contains 1; the median \
-         interval reaches {} % to either side. Measured on {}, on this processor: {}.",
-        number(100.0 * spread(record).expect("the record has timings"), 2),
+        "{} Measured on {}, on this processor: {}.",
+        noise(record, &groups).expect("the record has timings"),
         date(record.started_unix),
         record.machine.cpu
     );
     format!(
-        "{}\n\n{}\n{}\n[The whole record]({folder}/report.md) is also one page, `report.html`, in the same folder.\n",
+        "{}\n\n{}\n[The whole answer]({folder}/report.md), and [everything that was measured]({folder}/appendix.md).\n",
         verdict.join("\n"),
-        advice_table(&groups),
         wrapped(&legend, "")
     )
 }

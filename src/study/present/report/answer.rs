@@ -9,7 +9,7 @@ use crate::study::present::grid::{Cell, Grid};
 use crate::study::record::Record;
 
 /// The figures of both charts: speed per test, and wrong answers where rays are aimed, in pictures and at edges.
-pub(crate) fn figures(record: &Record, groups: &[&Group]) -> String {
+pub(super) fn figures(record: &Record, groups: &[&Group]) -> String {
     let header = [
         "kernel",
         "1x1, M tests/s",

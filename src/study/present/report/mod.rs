@@ -12,8 +12,6 @@ mod on_scenes;
 mod packets;
 mod tracer;
 
-#[cfg(test)]
-pub(crate) use answer::figures;
 pub(crate) use html::report_html;
 
 use crate::study::figures::groups;
@@ -103,71 +101,76 @@ mod tests {
     use super::*;
     use crate::study::figures::failures::Metric;
     use crate::study::present::chart::charts;
-    use crate::study::record::RegimeRow;
-    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of, set_rounds};
+    use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
 
     #[test]
     fn every_kernel_is_in_every_table() {
         let record = record_of(&all_ids());
-        let report = report_markdown(&record);
+        let (answer, appendix) = (answer_markdown(&record), appendix_markdown(&record));
         let groups = groups(&record);
         for kernel in &record.methods {
-            // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, and one table for
-            // each metric of a regime.
-            let group = groups.iter().find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
-            let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
-            let regimes = record.regimes.iter().filter(is_shown);
+            let mut with_kernel =
+                groups.iter().filter(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
+            let group = with_kernel.next().expect("every kernel has a group");
+            // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, one table for each
+            // metric of a regime, and for kernels of a shape the figures of the first page.
+            let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
             let tables = 8 + regimes.map(|regime| Metric::of(regime).len()).sum::<usize>();
-            assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
+            let scenes = record.on_scenes.iter().filter(|row| row.kernel == kernel.id && row.rays == "primary").count();
+            let rows = |text: &str| {
+                let row = |line: &&str| line.starts_with(&format!("| `{}` |", kernel.id));
+                text.lines().filter(row).count() + text.matches(&format!("\n| **`{}`** |", kernel.id)).count()
+            };
+            assert_eq!(rows(&appendix), tables + scenes + usize::from(group.is_base()), "{}", kernel.id);
+            assert_eq!(rows(&answer), usize::from(group.is_base()), "{}", kernel.id);
         }
         for chart in charts(&record) {
-            assert!(report.contains(&format!("]({})", chart.file)), "{}", chart.file);
+            assert!((answer.clone() + &appendix).contains(&format!("]({})", chart.file)), "{}", chart.file);
         }
-        assert!(report.contains("- `triangle/elsewhere`: needs fused multiply-add"));
+        assert!(appendix.contains("- `triangle/elsewhere`: needs fused multiply-add"));
+    }
+
+    #[test]
+    fn the_answer_is_short_and_links_to_every_section_of_the_appendix() {
+        let record = record_of(&all_ids());
+        let (answer, appendix) = (answer_markdown(&record), appendix_markdown(&record));
+        assert!(answer.lines().count() < 120, "{answer}");
+        let page = report_html(&appendix, &charts(&record));
+        let links: Vec<_> = answer.split("(appendix.md#").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+        assert_eq!(links.len(), appendix.matches("\n## ").count());
+        for link in links {
+            assert!(page.contains(&format!("<h2 id=\"{link}\">")), "{link}");
+        }
+        assert!(report_html(&answer, &[]).contains("<a href=\"appendix.html#kernels\">"));
     }
 
     #[test]
     fn a_zero_rate_is_shown_with_its_bound() {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.regimes.clear();
-        let report = report_markdown(&record);
-        assert!(report.contains("| 0 (< 15) / 200 k |"), "the bound of zero leaks in 200,000 rays");
-        assert!(report.contains("loses 0 (< 15) |"), "{report}");
-    }
-
-    #[test]
-    fn the_advice_names_kernels_that_tie() {
-        let mut record = record_of(&["triangle/a".into(), "triangle/b".into()]);
-        assert!(!report_markdown(&record).contains("tied with"));
-        let times = |record: &mut Record, noise| {
-            for row in &mut record.speed {
-                let noisy = [1.05, 1.05 + noise, 1.05 - noise];
-                set_rounds(row, &if row.id == "triangle/a" { noisy } else { [1.0; 3] });
-            }
-        };
-        times(&mut record, 0.04);
-        assert!(!report_markdown(&record).contains("tied with"));
-        times(&mut record, 0.06);
-        let report = report_markdown(&record);
-        assert!(report.contains("| **`b`** ") && report.contains("; tied with `a`"));
+        let report = appendix_markdown(&record);
+        assert!(report.contains("| 0 (< 18) / 200 k |"), "the bound of zero leaks in 200,000 rays");
     }
 
     #[test]
     fn rows_are_as_long_as_their_headers() {
-        let report = report_markdown(&record_of(&all_ids()));
-        let mut columns = None;
-        for line in report.lines() {
-            let here = line.starts_with('|').then(|| line.matches(" | ").count());
-            assert!(here.is_none() || columns.is_none() || here == columns, "{line}");
-            columns = here;
+        let record = record_of(&all_ids());
+        for report in [answer_markdown(&record), appendix_markdown(&record)] {
+            let mut columns = None;
+            for line in report.lines() {
+                let here = line.starts_with('|').then(|| line.matches(" | ").count());
+                assert!(here.is_none() || columns.is_none() || here == columns, "{line}");
+                columns = here;
+            }
         }
     }
 
     #[test]
     fn degenerate_records_have_a_report() {
         for record in degenerate_records() {
-            let report = report_markdown(&record);
-            assert!(!report.contains("NaN") && !report.contains(" inf "), "{report}");
+            for report in [answer_markdown(&record), appendix_markdown(&record)] {
+                assert!(!report.contains("NaN") && !report.contains(" inf "), "{report}");
+            }
         }
     }
 }
