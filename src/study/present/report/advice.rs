@@ -81,8 +81,9 @@ fn list<'a>(remark: &str, names: impl Iterator<Item = &'a str>) -> String {
 pub(super) fn legend(groups: &[Group]) -> String {
     let mut text =
         "M/s: million tests of one ray against one primitive per second, in one thread. Two kernels tie if the \
-         interval of their ratio contains 1. Times are relative to the fastest kernel. ulp: 99th percentile of the error of `t` on generic rays, in units in the last place. `0 (< b)`: no \
-         event was observed, and b is the 95 % bound. Lost rays:\n"
+         interval of their ratio contains 1. Times are relative to the fastest kernel. ulp: 99th percentile of the \
+         error of `t` on generic rays, in units in the last place. `0 (< b)`: no event was observed, and b is the 95 % \
+         bound. Lost rays:\n"
             .to_owned();
     for loss in Loss::ALL {
         let mut same = groups.iter().filter(|group| group.loss == loss);
