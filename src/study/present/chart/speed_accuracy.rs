@@ -257,7 +257,8 @@ mod tests {
             (row.t_ulp_p99, row.leak_per_million) = (7, if row.id == "triangle/woop" { 0.0 } else { 12.0 });
         }
         let [overview, stacked] = charts(&record);
-        let cramer = "triangle/cramer, packet of 8 rays: 800 (794 to 806) M tests/s, error of t 7 ulp, leaks 12.0 per million</title>";
+        let cramer = "triangle/cramer, packet of 8 rays: 800 (794 to 806) M tests/s, error of t 7 ulp, leaks 12.0 per \
+                      million</title>";
         for svg in [&overview, &stacked] {
             assert_eq!(
                 occurrences(

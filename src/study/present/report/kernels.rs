@@ -10,8 +10,8 @@ pub(super) const KERNELS: &str = "\
 ## Kernels
 
 Times are nanoseconds per test of one ray against one primitive in one thread: the median, and in brackets its 95 % \
-interval. In each group, the fastest kernel and all that tie with it are bold. `1x1` is one ray against one primitive (scalar), \
-`8x1` is eight rays against one primitive, `1x8` is one ray against eight primitives.
+interval. In each group, the fastest kernel and all that tie with it are bold. `1x1` is one ray against one primitive \
+(scalar), `8x1` is eight rays against one primitive, `1x8` is one ray against eight primitives.
 
 *Bytes* are prepared per primitive. The *setup* is computed once per ray: its bytes (scalar), and its nanoseconds per \
 ray, scalar / in a packet. *Operations* are those of one test without early exits: multiplications / additions / \
