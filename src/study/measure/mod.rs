@@ -5,6 +5,7 @@ pub(crate) mod built_scene;
 pub mod coherence;
 pub(crate) mod machine;
 pub(crate) mod operation_rates;
+mod per_ray;
 pub mod ray_sets;
 pub(crate) mod scaling;
 pub mod speed;
