@@ -42,6 +42,10 @@ const HEADER: &str = "\
 #   false_hit   pairs that miss, and that the kernel reports as a hit / all that miss
 #   leak        rays that hit the mesh, and for which the kernel reports no triangle / all that hit the mesh
 #   double_hit  rays that hit one triangle strictly inside, and for which the kernel reports more / all such rays
+#   odd         rays from outside a closed mesh, for which the kernel reports an odd number of hits / all such rays
+#   wrong_closest  rays that hit several triangles, for which the kernel reports another one as closest / all such rays
+#   box_rejected   hits that the kernel reports, and that the box rule rejects / all that it reports
+#   box_clamped    hits that the kernel reports, and whose t the box rule changes / all that it reports
 #   boundary    rays that exactly meet an edge or another boundary: the kernel reports none, one or many primitives
 #   t_ulp       distance of t from the correctly rounded t in ulp: median, 99th percentile, greatest
 #   gross       hits whose t is off by more than 1 % / all hits that kernel and oracle report
@@ -115,6 +119,13 @@ fn figures(row: &AccuracyRow) -> String {
         leak_per_million,
         single_hits,
         double_hit_per_million,
+        crossing_rays,
+        odd_per_million,
+        closest_rays,
+        wrong_closest_per_million,
+        box_hits,
+        box_rejected_per_million,
+        box_clamped_per_million,
         agreed_hits,
         t_ulp_p50,
         t_ulp_p99,
@@ -135,6 +146,10 @@ fn figures(row: &AccuracyRow) -> String {
     rate("false_hit", false_hit_per_million, exact_misses);
     rate("leak", leak_per_million, mesh_hits);
     rate("double_hit", double_hit_per_million, single_hits);
+    rate("odd", odd_per_million, crossing_rays);
+    rate("wrong_closest", wrong_closest_per_million, closest_rays);
+    rate("box_rejected", box_rejected_per_million, box_hits);
+    rate("box_clamped", box_clamped_per_million, box_hits);
     if boundary_none + boundary_one + boundary_many > 0 {
         write!(text, ", boundary none {boundary_none} one {boundary_one} many {boundary_many}").unwrap();
     }

@@ -1,6 +1,6 @@
 //! Checks every claim in the rows that test it, for kernels that make the claim and for kernels that do not.
 
-use super::rate::{Rate, double_hits, gross, leaks, lost_by_boxes, wrong};
+use super::rate::{Rate, double_hits, gross, leaks, lost_by_boxes, odd_crossings, wrong};
 use crate::geom::{Aabb, Quadric, Shape, Triangle};
 use crate::kernels::Claim;
 use crate::study::measure::accuracy::Kernels;
@@ -9,8 +9,8 @@ use crate::study::workload::Workload;
 
 /// Whether a row tests a claim.
 fn concerns(claim: Claim, family: &str, row: &AccuracyRow) -> bool {
-    let (at_edges, at_vertices) =
-        (row.workload == "shared_edge", ["vertex_fan", "closed_mesh"].contains(&row.workload.as_str()));
+    let is_of = |workloads: [&str; 2]| workloads.contains(&row.workload.as_str());
+    let (at_edges, at_vertices) = (is_of(["shared_edge", "vertex_order"]), is_of(["vertex_fan", "closed_mesh"]));
     match claim {
         Claim::EdgeWatertight => at_edges,
         Claim::VertexWatertight => at_vertices,
@@ -22,19 +22,21 @@ fn concerns(claim: Claim, family: &str, row: &AccuracyRow) -> bool {
         Claim::RightDecision | Claim::NoGrossError => {
             family == Triangle::FAMILY || row.workload != Workload::Edge.name()
         }
-        Claim::EvenCrossings => false,
+        Claim::EvenCrossings => row.workload == "silhouette",
     }
 }
 
 /// The families whose kernels can make a claim, as far as the study tests it.
 fn families(claim: Claim) -> &'static [&'static str] {
     match claim {
-        Claim::EdgeWatertight | Claim::VertexWatertight | Claim::SingleHit | Claim::NoHitBehind => &[Triangle::FAMILY],
+        Claim::EdgeWatertight
+        | Claim::VertexWatertight
+        | Claim::SingleHit
+        | Claim::EvenCrossings
+        | Claim::NoHitBehind => &[Triangle::FAMILY],
         Claim::Conservative => &[Aabb::FAMILY],
         Claim::RightDecision => &[Triangle::FAMILY, Quadric::FAMILY],
         Claim::NoGrossError => &[Quadric::FAMILY],
-        // No regime has closed meshes with silhouettes. `tests/watertight.rs` does.
-        Claim::EvenCrossings => &[],
     }
 }
 
@@ -50,7 +52,7 @@ fn violations(claim: Claim, row: &AccuracyRow) -> [u64; 2] {
         Claim::NoHitBehind => count(Rate::new(row.false_hit_per_million, row.exact_misses)),
         Claim::Conservative => count(lost_by_boxes(row)),
         Claim::RightDecision => count(wrong(row)),
-        Claim::EvenCrossings => [0; 2],
+        Claim::EvenCrossings => count(odd_crossings(row)),
         Claim::NoGrossError => count(gross(row)),
     }
 }

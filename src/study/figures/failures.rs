@@ -2,8 +2,11 @@
 
 use super::format::{count, number, severity};
 use super::kernel::KernelFigures;
-use super::rate::{Rate, double_hits, leaks, lost_by_boxes, ulp_p99, wrong};
+use super::rate::{
+    Rate, clamped, double_hits, leaks, lost_by_boxes, odd_crossings, rejected, ulp_p99, wrong, wrong_closest,
+};
 use crate::study::record::{AccuracyRow, RegimeRow};
+use crate::study::workload::Counts;
 
 /// A kernel fails at a step if a rate exceeds this, in events per million: 0.1 %.
 pub(crate) const FAILING_RATE: f64 = 1000.0;
@@ -23,6 +26,14 @@ pub(crate) enum Metric {
     Leak,
     /// Double hits: rays that hit one triangle of a mesh and are reported to hit several.
     DoubleHit,
+    /// Odd numbers of hits of a closed mesh, from outside.
+    Odd,
+    /// Closest hits on the wrong shape.
+    WrongClosest,
+    /// Hits that the box rule rejects.
+    Rejected,
+    /// Hits that the box rule clamps.
+    Clamped,
     /// 99th percentile of the error of `t`.
     Ulp,
 }
@@ -40,7 +51,14 @@ impl Metric {
     /// The metrics of a regime. In a mesh, a neighbour may catch what one triangle loses, so leaks and double hits
     /// count. A false hit of a box costs time, a lost one costs a part of the picture, so these are separate metrics.
     pub(crate) fn of(regime: &RegimeRow) -> &'static [Self] {
-        if regime.mesh {
+        let counts = |counts: Counts| regime.counts == counts.name();
+        if counts(Counts::Crossings) {
+            &[Self::Odd, Self::Ulp]
+        } else if counts(Counts::Closest) {
+            &[Self::WrongClosest, Self::Ulp]
+        } else if counts(Counts::Boxes) {
+            &[Self::Rejected, Self::Clamped, Self::Ulp]
+        } else if regime.mesh {
             &[Self::Leak, Self::DoubleHit, Self::Ulp]
         } else if regime.family == "aabb" {
             &[Self::Lost, Self::FalseHit, Self::Ulp]
@@ -57,6 +75,10 @@ impl Metric {
             Self::FalseHit => "false hits per million exact misses (harmless for bounding boxes)",
             Self::Leak => "leaks per million rays that exactly hit the mesh, edges included",
             Self::DoubleHit => "double hits per million rays that exactly hit one triangle, strictly inside",
+            Self::Odd => "odd numbers of hits per million rays at a closed mesh, from outside",
+            Self::WrongClosest => "wrong or no closest hits per million rays that exactly hit both at different t",
+            Self::Rejected => "hits rejected by the box rule per million hits: the ray misses the triangle's box",
+            Self::Clamped => "hits clamped by the box rule per million hits: t lies outside the triangle's box",
             Self::Ulp => "99th percentile of the error of t, in units in the last place (ulp)",
         }
     }
@@ -69,16 +91,27 @@ impl Metric {
             Self::FalseHit => "false hits",
             Self::Leak => "leaks",
             Self::DoubleHit => "double hits",
+            Self::Odd => "odd numbers of hits",
+            Self::WrongClosest => "wrong closest hits",
+            Self::Rejected => "rejected",
+            Self::Clamped => "clamped",
             Self::Ulp => "p99",
         }
     }
 
-    /// The value above which a kernel fails. `None` for false hits of boxes: these only cost a look inside.
+    /// The value above which a kernel fails. `None` for false hits of boxes: these only cost a look inside. `None` for
+    /// clamped hits: the box rule corrects them.
     pub(crate) fn limit(self) -> Option<f64> {
         match self {
-            Self::FalseHit => None,
+            Self::FalseHit | Self::Clamped => None,
             Self::Ulp => Some(FAILING_ULP as f64),
-            Self::Wrong | Self::Lost | Self::Leak | Self::DoubleHit => Some(FAILING_RATE),
+            Self::Wrong
+            | Self::Lost
+            | Self::Leak
+            | Self::DoubleHit
+            | Self::Odd
+            | Self::WrongClosest
+            | Self::Rejected => Some(FAILING_RATE),
         }
     }
 
@@ -98,6 +131,10 @@ impl Metric {
             Self::FalseHit => Rate::new(row.false_hit_per_million, row.exact_misses).map(Figure::Rate),
             Self::Leak => leaks(row).map(Figure::Rate),
             Self::DoubleHit => double_hits(row).map(Figure::Rate),
+            Self::Odd => odd_crossings(row).map(Figure::Rate),
+            Self::WrongClosest => wrong_closest(row).map(Figure::Rate),
+            Self::Rejected => rejected(row).map(Figure::Rate),
+            Self::Clamped => clamped(row).map(Figure::Rate),
             Self::Ulp => ulp_p99(row).map(Figure::Ulp),
         }
     }

@@ -87,9 +87,35 @@ pub(crate) fn leaks(row: &AccuracyRow) -> Option<Rate> {
     Rate::new(row.leak_per_million, row.mesh_hits)
 }
 
+/// Whether the triangles of a row's mesh share whole edges. Where a vertex lies on the edge of a neighbour, the mesh
+/// itself is at fault, and leaks are shown in that regime only.
+pub(crate) fn shares_whole_edges(workload: &str) -> bool {
+    workload != "t_junction"
+}
+
 /// Double hits: rays that exactly hit one triangle of a mesh, strictly inside, and are reported to hit several.
 pub(crate) fn double_hits(row: &AccuracyRow) -> Option<Rate> {
     Rate::new(row.double_hit_per_million, row.single_hits)
+}
+
+/// Odd crossings: rays that start outside a closed mesh and are reported to hit an odd number of its triangles.
+pub(crate) fn odd_crossings(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.odd_per_million, row.crossing_rays)
+}
+
+/// Rays whose closest hit is reported on the wrong shape, or on none.
+pub(crate) fn wrong_closest(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.wrong_closest_per_million, row.closest_rays)
+}
+
+/// Hits that the box rule rejects.
+pub(crate) fn rejected(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.box_rejected_per_million, row.box_hits)
+}
+
+/// Hits that the box rule clamps.
+pub(crate) fn clamped(row: &AccuracyRow) -> Option<Rate> {
+    Rate::new(row.box_clamped_per_million, row.box_hits)
 }
 
 /// Rays that a box loses. A box has no neighbour that could catch a lost ray, so its boundary counts like its interior.

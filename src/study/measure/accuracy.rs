@@ -13,7 +13,7 @@ use crate::kernels::{Claim, Intersect, Kernel, Shape};
 use crate::oracle::{Exact, Truth};
 use crate::registry::Visitor;
 use crate::study::record::{AccuracyRow, MapCells};
-use crate::study::workload::{FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, rng};
+use crate::study::workload::{Counts, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, rng};
 
 /// Samples per parallel task.
 const SAMPLES_PER_TASK: u64 = 64;
@@ -58,7 +58,7 @@ impl<S: Subject> Kernels<S> {
             &Source {
                 workload: workload.name(),
                 severity: None,
-                mesh: S::MESH && workload == Workload::Edge,
+                counts: if S::MESH && workload == Workload::Edge { Counts::Mesh } else { Counts::Tests },
                 sample: &|index| S::sample(workload, &mut rng(seed, S::FAMILY, workload.name(), &[], index)),
             },
         )
@@ -72,7 +72,7 @@ impl<S: Subject> Kernels<S> {
             &Source {
                 workload: regime.name,
                 severity: Some(severity),
-                mesh: regime.mesh,
+                counts: regime.counts,
                 sample: &|index| (regime.sample)(step, &mut rng(seed, S::FAMILY, regime.name, &[step], index)),
             },
         )
@@ -89,7 +89,7 @@ impl<S: Subject> Kernels<S> {
                     let sample = (source.sample)(index);
                     let truths = truths(&sample);
                     for (kernel, tally) in self.0.iter().zip(&mut tallies) {
-                        tally.sample(&sample, &truths, &(kernel.hits)(&sample), source.mesh);
+                        tally.sample(&sample, &truths, &(kernel.hits)(&sample), source.counts);
                     }
                 }
                 tallies
@@ -178,7 +178,7 @@ fn truths<S: Exact>(sample: &Sample<S>) -> Vec<Truth> {
 struct Source<'a, S> {
     workload: &'a str,
     severity: Option<f64>,
-    mesh: bool,
+    counts: Counts,
     sample: &'a (dyn Fn(u64) -> Sample<S> + Sync),
 }
 

@@ -6,6 +6,7 @@ pub mod coherence;
 pub(crate) mod machine;
 pub(crate) mod on_scenes;
 pub(crate) mod operation_rates;
+mod per_ray;
 pub(crate) mod processes;
 pub mod ray_sets;
 pub(crate) mod rounds;

@@ -1,10 +1,11 @@
 //! Counts the errors of one kernel ray by ray, and turns the counts into a row of the record.
 
+use super::per_ray::PerRay;
 use super::stats::ulps_between;
 use crate::geom::{Hit, Ray};
 use crate::oracle::Truth;
 use crate::study::record::AccuracyRow;
-use crate::study::workload::Sample;
+use crate::study::workload::{Counts, Sample, Subject};
 
 /// A strict hit: not on a boundary, and with a `t` that `f32` can hold. Every kernel should report it.
 pub(super) fn is_strict(truth: &Truth) -> bool {
@@ -25,6 +26,7 @@ pub(super) struct Tally {
     single_hits: u64,
     double_hits: u64,
     gross: u64,
+    per_ray: PerRay,
     /// Error of `t` of every agreed hit.
     t_ulps: Vec<u32>,
     /// Error of `u` and `v` of every agreed hit.
@@ -32,10 +34,17 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn sample<S>(&mut self, sample: &Sample<S>, truths: &[Truth], hits: &[Hit<f32>], mesh: bool) {
+    pub(super) fn sample<S: Subject>(
+        &mut self,
+        sample: &Sample<S>,
+        truths: &[Truth],
+        hits: &[Hit<f32>],
+        counts: Counts,
+    ) {
         let each = sample.shapes.len();
         for ((ray, truths), hits) in sample.rays.iter().zip(truths.chunks_exact(each)).zip(hits.chunks_exact(each)) {
-            self.ray(ray, truths, hits, mesh);
+            self.ray(ray, truths, hits, counts == Counts::Mesh);
+            self.per_ray.add(counts, ray, &sample.shapes, truths, hits);
         }
     }
 
@@ -96,6 +105,7 @@ impl Tally {
         self.single_hits += other.single_hits;
         self.double_hits += other.double_hits;
         self.gross += other.gross;
+        self.per_ray.merge(&other.per_ray);
         self.t_ulps.extend(other.t_ulps);
         self.uv_errors.extend(other.uv_errors);
     }
@@ -123,6 +133,13 @@ impl Tally {
             leak_per_million: per_million(self.leaks, self.mesh_hits),
             single_hits: self.single_hits,
             double_hit_per_million: per_million(self.double_hits, self.single_hits),
+            crossing_rays: self.per_ray.odd.of,
+            odd_per_million: self.per_ray.odd.per_million(),
+            closest_rays: self.per_ray.wrong_closest.of,
+            wrong_closest_per_million: self.per_ray.wrong_closest.per_million(),
+            box_hits: self.per_ray.rejected.of,
+            box_rejected_per_million: self.per_ray.rejected.per_million(),
+            box_clamped_per_million: self.per_ray.clamped.per_million(),
             agreed_hits: agreed,
             t_ulp_p50: ulps(0.5),
             t_ulp_p99: ulps(0.99),

@@ -41,6 +41,31 @@ pub struct AccuracyRow {
     /// million.
     #[serde(rename = "double_per_million")]
     pub double_hit_per_million: f64,
+    /// Rays that start outside a closed mesh and are aimed past its silhouette; the base of `odd_per_million`. Zero in
+    /// other workloads.
+    #[serde(default)]
+    pub crossing_rays: u64,
+    /// Rays reported to hit an odd number of the triangles of a closed mesh, per million.
+    #[serde(default)]
+    pub odd_per_million: f64,
+    /// Rays that exactly hit two or more shapes, all strictly inside. The two least `t` differ, also when rounded to
+    /// `f32`. The base of `wrong_closest_per_million`. Zero where no shapes lie one behind the other.
+    #[serde(default)]
+    pub closest_rays: u64,
+    /// Rays whose least reported `t` is not that of the closest shape, or that are reported to hit nothing, per
+    /// million. Between equal `t`, the shape with the lower number counts.
+    #[serde(default)]
+    pub wrong_closest_per_million: f64,
+    /// Reported hits that were held to the shape's own box; the base of the next two rates. Zero in other workloads.
+    #[serde(default)]
+    pub box_hits: u64,
+    /// Reported hits of rays that miss the shape's own padded box, per million. The box rule rejects them.
+    #[serde(default)]
+    pub box_rejected_per_million: f64,
+    /// Reported hits whose `t` is less than the entry into the shape's own box, or greater than the padded exit, per
+    /// million. The box rule clamps them.
+    #[serde(default)]
+    pub box_clamped_per_million: f64,
     /// Pairs that hit both exactly and as reported; the base of the errors below. Pairs whose `t` is clipped to the
     /// start of the ray's interval are left out: their `t` is exact.
     pub agreed_hits: u64,
@@ -74,6 +99,10 @@ pub struct RegimeRow {
     pub steps: Vec<f64>,
     /// Whether the rays are aimed at meshes, where they can leak.
     pub mesh: bool,
+    /// What is counted besides wrong answers of single tests: `tests` (nothing else), `mesh` (leaks and double hits),
+    /// `crossings` (odd numbers of hits), `closest` (wrong closest hits) or `boxes` (hits outside the shape's own box).
+    #[serde(default)]
+    pub counts: String,
 }
 
 /// A failure map: a workload with two severities.

@@ -35,11 +35,11 @@ pub struct KernelRow {
     pub false_miss_per_million: Option<f64>,
     /// Misses reported as hits, per million misses, on generic rays.
     pub false_hit_per_million: Option<f64>,
-    /// Rays that exactly hit a mesh and are reported to miss it, per million. The worst workload counts. `null` where
-    /// there are no meshes.
+    /// Rays that exactly hit a mesh and are reported to miss it, per million. The worst workload counts, except the one
+    /// with T-junctions. `null` where there are no meshes.
     pub leak_per_million: Option<f64>,
     /// Rays that exactly hit one triangle, strictly inside, and no other, but are reported to hit several, per million.
-    /// The worst workload counts. `null` where there are no meshes.
+    /// The worst workload counts, except the one with T-junctions. `null` where there are no meshes.
     #[serde(rename = "double_per_million")]
     pub double_hit_per_million: Option<f64>,
     /// Error of `t` on generic rays, in ulp: median.

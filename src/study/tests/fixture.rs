@@ -9,6 +9,7 @@ use crate::study::record::{
     OnSceneRow, OperationCounts, PeerRow, RateRow, Record, RegimeRow, SCHEMA, Samples, ScalingRow, SceneSpeedRow,
     SpeedRow, TracerRow,
 };
+use crate::study::workload::Counts;
 use crate::tracer::Mode;
 
 const TRIANGLES: [&str; 9] = [
@@ -341,38 +342,48 @@ fn regimes() -> Vec<RegimeRow> {
     };
     let scale: Vec<f64> = (-5..=5).map(|step| 10f64.powi(3 * step)).collect();
     let fans = [4.0, 16.0, 64.0, 256.0, 1024.0, 8192.0, 65_536.0].to_vec();
-    let rows: [(&str, &str, &str, Vec<f64>, bool); 23] = [
-        ("triangle", "grazing", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
-        ("triangle", "sliver", "length / height of the triangle", tens(1, 6), false),
-        ("triangle", "offset", "distance from the origin / size", tens(0, 6), false),
-        ("triangle", "distance", "length of the ray / size", tens(0, 5), false),
-        ("triangle", "ground", "size / distance of the hit", tens(0, 6), false),
-        ("triangle", "scale", "size of triangle and ray (units)", scale.clone(), false),
+    let rows: [(&str, &str, &str, Vec<f64>, Counts); 27] = [
+        ("triangle", "grazing", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), Counts::Tests),
+        ("triangle", "sliver", "length / height of the triangle", tens(1, 6), Counts::Tests),
+        ("triangle", "offset", "distance from the origin / size", tens(0, 6), Counts::Tests),
+        ("triangle", "distance", "length of the ray / size", tens(0, 5), Counts::Tests),
+        ("triangle", "ground", "size / distance of the hit", tens(0, 6), Counts::Tests),
+        ("triangle", "scale", "size of triangle and ray (units)", scale.clone(), Counts::Tests),
         (
             "triangle",
             "shared_edge",
             "distance of the aim from the edge / its length",
             ending_in_zero(tens(-2, -8)),
-            true,
+            Counts::Mesh,
         ),
-        ("triangle", "vertex_fan", "triangles around the vertex", fans, true),
-        ("triangle", "closed_mesh", "distance of the mesh from the origin / size", tens(0, 5), true),
-        ("aabb", "box_edge", "distance of the aim from the edge / size", ending_in_zero(tens(-2, -8)), false),
-        ("aabb", "box_corner", "distance of the aim from the corner / size", ending_in_zero(tens(-2, -8)), false),
-        ("aabb", "parallel", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), false),
-        ("aabb", "flat", "thickness / size", ending_in_zero(tens(-1, -8)), false),
-        ("aabb", "inverted", "how far the bounds are swapped / size", tens(-6, 0), false),
-        ("aabb", "offset", "distance from the origin / size", tens(0, 6), false),
-        ("aabb", "distance", "length of the ray / size", tens(0, 5), false),
-        ("aabb", "scale", "size of box and ray (units)", scale.clone(), false),
-        ("quadric", "afar", "length of the ray / radius", tens(1, 6), false),
-        ("quadric", "tangent", "distance from the silhouette / radius", tens(-1, -7), false),
-        ("quadric", "scale", "size of quadric and ray (units)", scale, false),
-        ("instance of triangle", "translation", "distance from the origin / size", tens(0, 6), false),
-        ("instance of aabb", "translation", "distance from the origin / size", tens(0, 6), false),
-        ("instance of quadric", "translation", "distance from the origin / size", tens(0, 6), false),
+        ("triangle", "vertex_fan", "triangles around the vertex", fans, Counts::Mesh),
+        ("triangle", "closed_mesh", "distance of the mesh from the origin / size", tens(0, 5), Counts::Mesh),
+        ("triangle", "t_junction", "distance of the aim from the edge / its length", tens(-3, -8), Counts::Mesh),
+        ("triangle", "silhouette", "distance from the silhouette / size", tens(-3, -8), Counts::Crossings),
+        ("triangle", "depth_order", "angle of the fold (rad)", tens(-2, -7), Counts::Closest),
+        ("triangle", "inside_box", "angle to the plane (rad)", tens(0, -6), Counts::Boxes),
+        ("aabb", "box_edge", "distance of the aim from the edge / size", ending_in_zero(tens(-2, -8)), Counts::Tests),
+        (
+            "aabb",
+            "box_corner",
+            "distance of the aim from the corner / size",
+            ending_in_zero(tens(-2, -8)),
+            Counts::Tests,
+        ),
+        ("aabb", "parallel", "angle to the plane (rad)", ending_in_zero(tens(-1, -6)), Counts::Tests),
+        ("aabb", "flat", "thickness / size", ending_in_zero(tens(-1, -8)), Counts::Tests),
+        ("aabb", "inverted", "how far the bounds are swapped / size", tens(-6, 0), Counts::Tests),
+        ("aabb", "offset", "distance from the origin / size", tens(0, 6), Counts::Tests),
+        ("aabb", "distance", "length of the ray / size", tens(0, 5), Counts::Tests),
+        ("aabb", "scale", "size of box and ray (units)", scale.clone(), Counts::Tests),
+        ("quadric", "afar", "length of the ray / radius", tens(1, 6), Counts::Tests),
+        ("quadric", "tangent", "distance from the silhouette / radius", tens(-1, -7), Counts::Tests),
+        ("quadric", "scale", "size of quadric and ray (units)", scale, Counts::Tests),
+        ("instance of triangle", "translation", "distance from the origin / size", tens(0, 6), Counts::Tests),
+        ("instance of aabb", "translation", "distance from the origin / size", tens(0, 6), Counts::Tests),
+        ("instance of quadric", "translation", "distance from the origin / size", tens(0, 6), Counts::Tests),
     ];
-    let row = |(family, name, axis, steps, mesh): (&str, &str, &str, Vec<f64>, bool)| RegimeRow {
+    let row = |(family, name, axis, steps, counts): (&str, &str, &str, Vec<f64>, Counts)| RegimeRow {
         family: family.into(),
         name: name.into(),
         about: format!(
@@ -381,7 +392,8 @@ fn regimes() -> Vec<RegimeRow> {
         ),
         axis: axis.into(),
         steps,
-        mesh,
+        mesh: counts == Counts::Mesh,
+        counts: counts.name().into(),
     };
     rows.map(row).into()
 }
@@ -509,6 +521,7 @@ fn regime_row(regime: &RegimeRow, i: usize, id: &str, step: usize) -> AccuracyRo
     // The rate must correspond to a whole number of events.
     let rate = (rate * rays as f64 / 1e6).floor() / rays as f64 * 1e6;
     let mesh = regime.mesh;
+    let counts = |counts: Counts| regime.counts == counts.name();
     // If all rays are lost, there is no error of t.
     let agreed_hits = if i % 4 == 2 && step == last { 0 } else { 9_000 };
     AccuracyRow {
@@ -524,6 +537,13 @@ fn regime_row(regime: &RegimeRow, i: usize, id: &str, step: usize) -> AccuracyRo
         leak_per_million: if mesh && i != 1 { rate / 7.0 } else { 0.0 },
         single_hits: if mesh { rays / 2 } else { 0 },
         double_hit_per_million: if mesh && i % 3 == 1 { rate / 9.0 } else { 0.0 },
+        crossing_rays: if counts(Counts::Crossings) { rays } else { 0 },
+        odd_per_million: if counts(Counts::Crossings) { rate } else { 0.0 },
+        closest_rays: if counts(Counts::Closest) { rays / 2 } else { 0 },
+        wrong_closest_per_million: if counts(Counts::Closest) { rate } else { 0.0 },
+        box_hits: if counts(Counts::Boxes) { rays / 2 } else { 0 },
+        box_rejected_per_million: if counts(Counts::Boxes) { rate / 5.0 } else { 0.0 },
+        box_clamped_per_million: if counts(Counts::Boxes) { rate } else { 0.0 },
         agreed_hits,
         t_ulp_p99: if agreed_hits == 0 || i == 8 { 0 } else { (2.0 * 9f64.powf(beyond.max(0.0))) as u64 },
         ..zero_row(id, &regime.name, Some(regime.steps[step]))
@@ -559,6 +579,13 @@ fn zero_row(id: &str, workload: &str, severity: Option<f64>) -> AccuracyRow {
         leak_per_million: 0.0,
         single_hits: 0,
         double_hit_per_million: 0.0,
+        crossing_rays: 0,
+        odd_per_million: 0.0,
+        closest_rays: 0,
+        wrong_closest_per_million: 0.0,
+        box_hits: 0,
+        box_rejected_per_million: 0.0,
+        box_clamped_per_million: 0.0,
         agreed_hits: 0,
         t_ulp_p50: 0,
         t_ulp_p99: 0,

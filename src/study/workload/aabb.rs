@@ -5,7 +5,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::{
-    Axis, FailureMap, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at, ray_from, sign, whole,
+    Axis, Counts, FailureMap, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at, ray_from,
+    sign, whole,
 };
 use crate::geom::{Aabb, Ray};
 
@@ -21,7 +22,7 @@ impl Subject for Aabb {
             about: "Rays that cut off an edge of the box. They enter and leave within a short distance.",
             axis: "distance to the edge / size of the box",
             steps: GAPS,
-            mesh: false,
+            counts: Counts::Tests,
             sample: |gap, rng| Sample::of(generic_box(rng), rng, |shape, rng| cutting_ray(shape, 2, gap, rng)),
         },
         Regime {
@@ -29,7 +30,7 @@ impl Subject for Aabb {
             about: "Rays that cut off a corner of the box. They enter and leave within a short distance.",
             axis: "distance to the corner / size of the box",
             steps: GAPS,
-            mesh: false,
+            counts: Counts::Tests,
             sample: |gap, rng| Sample::of(generic_box(rng), rng, |shape, rng| cutting_ray(shape, 3, gap, rng)),
         },
         Regime {
@@ -38,7 +39,7 @@ impl Subject for Aabb {
                     the distance to that plane is 0 times infinity.",
             axis: "slope of the ray against the face",
             steps: &[1.0, 1e-5, 1e-10, 1e-15, 1e-20, 1e-25, 1e-30, 1e-35, 1e-40, 0.0],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |slope, rng| Sample::of(generic_box(rng), rng, |shape, rng| parallel_ray(shape, slope, rng)),
         },
         Regime {
@@ -47,7 +48,7 @@ impl Subject for Aabb {
                     them, parallel to the large faces.",
             axis: "thickness / size of the box",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |thickness, rng| {
                 let mut shape = generic_box(rng);
                 let axis = rng.random_range(0..3);
@@ -67,7 +68,7 @@ impl Subject for Aabb {
             about: "Empty boxes: on one axis the lower plane lies beyond the upper one. Every hit is false.",
             axis: "lower plane beyond the upper one / size of the box",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |depth, rng| {
                 let mut shape = generic_box(rng);
                 let axis = rng.random_range(0..3);
@@ -80,7 +81,7 @@ impl Subject for Aabb {
             about: "Box and ray together, ever farther from the world's origin.",
             axis: "distance to the world's origin / size of the box",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |offset, rng| {
                 let shape = moved(generic_box(rng), direction(rng) * offset);
                 Sample::of(shape, rng, |shape, rng| ray_at(inside_or_past(shape, rng), rng))
@@ -91,7 +92,7 @@ impl Subject for Aabb {
             about: "Rays that start ever farther away.",
             axis: "distance of the ray's origin / size of the box",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |distance, rng| {
                 Sample::of(generic_box(rng), rng, |shape, rng| {
                     let target = inside_or_past(shape, rng);
@@ -104,7 +105,7 @@ impl Subject for Aabb {
             about: "Box and ray together, from tiny to huge.",
             axis: "size of box and distance",
             steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |scale, rng| {
                 let mut sample = Self::sample(Workload::Generic, rng);
                 for shape in &mut sample.shapes {

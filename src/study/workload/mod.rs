@@ -8,10 +8,16 @@
 //! square roots only, and without sines, whose last digit varies between machines.
 
 mod aabb;
+mod depth;
+mod horizon;
 mod leaving;
+mod orders;
 mod placed;
 mod quadric;
 mod random;
+mod silhouette;
+mod t_junction;
+mod thin;
 mod triangle;
 
 use glam::{Mat3, Vec2, Vec3};
@@ -22,7 +28,7 @@ pub(super) use self::random::direction;
 use self::random::{frame, in_disc, in_square, sign};
 pub use self::random::{in_cube, rng, whole};
 
-use crate::geom::Ray;
+use crate::geom::{Aabb, Ray};
 use crate::oracle::Exact;
 use crate::registry::Registered;
 
@@ -72,6 +78,34 @@ impl<S> Sample<S> {
     }
 }
 
+/// What is counted in a workload, besides wrong answers of single tests and errors of `t`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counts {
+    /// Nothing else.
+    Tests,
+    /// Leaks and double hits. The shapes of a sample form a mesh, and all of them face the rays in the same way.
+    Mesh,
+    /// Odd numbers of hits. The shapes of a sample form a closed mesh, and the rays start outside of it.
+    Crossings,
+    /// Rays whose closest hit is on the wrong shape. The shapes of a sample lie one behind the other.
+    Closest,
+    /// Hits outside the shape's own box.
+    Boxes,
+}
+
+impl Counts {
+    /// The name used in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tests => "tests",
+            Self::Mesh => "mesh",
+            Self::Crossings => "crossings",
+            Self::Closest => "closest",
+            Self::Boxes => "boxes",
+        }
+    }
+}
+
 /// A workload that gets harder along an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Regime<S> {
@@ -83,8 +117,8 @@ pub struct Regime<S> {
     pub axis: &'static str,
     /// Severities, from easy to hard. All are positive, except that the last may be zero.
     pub steps: &'static [f64],
-    /// Whether the shapes of a sample form a mesh, where rays can leak.
-    pub mesh: bool,
+    /// What is counted besides wrong answers of single tests.
+    pub counts: Counts,
     /// Makes a sample of a severity.
     pub sample: fn(f32, &mut Pcg64) -> Sample<S>,
 }
@@ -139,6 +173,11 @@ pub trait Subject: Exact + Registered {
     /// The title under which its regimes and maps are listed: that of its group of kernels.
     fn title() -> String {
         Self::FAMILY.into()
+    }
+
+    /// The box that the tracer's box rule holds the shape's hits to. `None` if the rule does not apply to the shape.
+    fn own_box(&self) -> Option<Aabb> {
+        None
     }
 
     /// Makes a sample of a workload.

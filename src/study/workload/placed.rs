@@ -4,7 +4,7 @@ use glam::{Affine3, DMat3, Mat3, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::{Axis, FailureMap, Regime, Sample, Subject, Workload, direction, frame, in_cube};
+use super::{Axis, Counts, FailureMap, Regime, Sample, Subject, Workload, direction, frame, in_cube};
 use crate::geom::{Placed, Ray};
 use crate::oracle::Exact;
 use crate::registry::Registered;
@@ -22,7 +22,7 @@ where
                     coordinates before it subtracts the translation loses digits.",
             axis: "distance of the shape to the world's origin / its size",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |offset, rng| placed(frame(rng), direction(rng) * offset, rng),
         },
         Regime {
@@ -31,7 +31,7 @@ where
                     enlarges the rounding error of the ray's origin.",
             axis: "greatest / least scale",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |ratio, rng| {
                 let scales = [1.0, 1.0 / ratio.sqrt(), 1.0 / ratio];
                 let first = rng.random_range(0..3);
@@ -45,7 +45,7 @@ where
                     and it turns the ray more where the inverse is computed in f32.",
             axis: "condition number of the transform",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |condition, rng| placed(sheared(condition, rng), in_cube(rng, 1.0), rng),
         },
     ];

@@ -5,8 +5,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::{
-    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube, in_disc, ray_from,
-    sign, steep, whole,
+    Axis, Counts, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube, in_disc,
+    ray_from, sign, steep, whole,
 };
 use crate::geom::{Aabb, Quadric, Ray};
 
@@ -23,7 +23,7 @@ impl Subject for Quadric {
                     distance cancels.",
             axis: "distance of the ray's origin / radius",
             steps: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |distance, rng| {
                 let radius = rng.random_range(0.5..2.0);
                 Sample::of(Quadric::sphere(radius), rng, |_, rng| {
@@ -38,7 +38,7 @@ impl Subject for Quadric {
                     constant cancels.",
             axis: "height of the ray's origin",
             steps: &[1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |height, rng| {
                 Sample::of(Quadric::sphere(HUGE), rng, |_, rng| {
                     let (origin, plane) = above(HUGE, height, rng);
@@ -53,7 +53,7 @@ impl Subject for Quadric {
                     nearly zero distance must be told from hits behind the ray.",
             axis: "depth of the ray's origin / radius",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |depth, rng| {
                 let radius = rng.random_range(0.5..2.0);
                 Sample::of(Quadric::sphere(radius), rng, |_, rng| {
@@ -68,7 +68,7 @@ impl Subject for Quadric {
                     nearly zero.",
             axis: "distance of the ray from the silhouette / radius",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |gap, rng| {
                 let radius = rng.random_range(0.5..2.0);
                 Sample::of(Quadric::sphere(radius), rng, |_, rng| {
@@ -84,7 +84,7 @@ impl Subject for Quadric {
                     last step exactly parallel. The coefficient of t² goes to zero, and one root goes to infinity.",
             axis: "angle between ray and axis, rad",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |angle, rng| {
                 let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
                 Sample::of(Quadric::paraboloid(radius, height), rng, |_, rng| {
@@ -99,7 +99,7 @@ impl Subject for Quadric {
                     the surface). The coefficient of t² cancels to zero.",
             axis: "angle between ray and generatrix, rad",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |angle, rng| {
                 let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
                 let on_cone = |around: Vec2, share: f32| (around * radius).extend(height) * share;
@@ -121,7 +121,7 @@ impl Subject for Quadric {
                     box clips the surface, below it or above it.",
             axis: "distance of the ray from the rim / height",
             steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |gap, rng| {
                 let (radius, height) = (rng.random_range(0.5..1.5), rng.random_range(0.5..1.5));
                 let shape = match rng.random_range(0..3) {
@@ -144,7 +144,7 @@ impl Subject for Quadric {
             axis: "distance of the sphere to the origin of its coordinates / radius",
             // It ends before 1e5, where an ulp of the centre's coordinates is a hundredth of the sphere.
             steps: &[1.0, 3.0, 1e1, 3e1, 1e2, 3e2, 1e3, 3e3, 1e4],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |offset, rng| {
                 let (shape, center, radius) = moved_sphere(offset, rng);
                 Sample::of(shape, rng, |_, rng| {
@@ -159,7 +159,7 @@ impl Subject for Quadric {
                     overflows.",
             axis: "size of quadric and distance",
             steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
-            mesh: false,
+            counts: Counts::Tests,
             sample: generic,
         },
     ];

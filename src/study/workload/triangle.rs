@@ -7,12 +7,21 @@ use glam::{Mat3, Vec2, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
+use super::depth::fold;
+use super::horizon::horizon;
 use super::leaving::{next_to_lattice_plane, off_surface};
+use super::orders::{ORDERS, ordered_hinge};
+use super::silhouette::silhouette;
+use super::t_junction::t_junction;
+use super::thin::{flat, grazed_sliver};
 use super::{
-    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray, in_cube,
-    in_square, ray_at, ray_from, sign, steep, whole,
+    Axis, Counts, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray,
+    in_cube, in_square, ray_at, ray_from, sign, steep, whole,
 };
-use crate::geom::{Ray, Triangle};
+use crate::geom::{Aabb, Ray, Triangle};
+
+/// Distances of rays to an edge, relative to the size of the triangle.
+const GAPS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0];
 
 impl Subject for Triangle {
     const MESH: bool = true;
@@ -24,7 +33,7 @@ impl Subject for Triangle {
                     numbers.",
             axis: "angle between ray and triangle, rad",
             steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |angle, rng| {
                 let plane = frame(rng);
                 Sample::of(regular(plane, 1.0, rng), rng, |shape, rng| {
@@ -38,7 +47,7 @@ impl Subject for Triangle {
             about: "Ever thinner triangles. Normal and determinant cancel.",
             axis: "length / height of the triangle",
             steps: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |aspect, rng| {
                 let plane = frame(rng);
                 Sample::of(sliver(plane, aspect, rng), rng, |shape, rng| {
@@ -52,7 +61,7 @@ impl Subject for Triangle {
                     coordinates loses digits.",
             axis: "distance to the world's origin / size of the triangle",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |offset, rng| {
                 let plane = frame(rng);
                 let shape = moved(&regular(plane, 1.0, rng), direction(rng) * offset);
@@ -65,7 +74,7 @@ impl Subject for Triangle {
                     rounding.",
             axis: "distance of the ray's origin / size of the triangle",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |distance, rng| {
                 let plane = frame(rng);
                 Sample::of(regular(plane, 1.0, rng), rng, |shape, rng| {
@@ -80,7 +89,7 @@ impl Subject for Triangle {
                     near hit.",
             axis: "size of the triangle / distance of the hit",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |size, rng| {
                 let plane = frame(rng);
                 let middle = in_cube(rng, 1.0);
@@ -96,7 +105,7 @@ impl Subject for Triangle {
             about: "Triangle and ray together, from tiny to huge. Determinants underflow and overflow.",
             axis: "size of triangle and distance",
             steps: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |scale, rng| {
                 let plane = frame(rng);
                 let shape = regular(plane, 1.0, rng);
@@ -112,8 +121,8 @@ impl Subject for Triangle {
             about: "Rays aimed ever closer to an edge of two triangles. The last step hits it exactly (on a grid) or \
                     to the last bit.",
             axis: "distance to the edge / size of the triangle",
-            steps: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0],
-            mesh: true,
+            steps: GAPS,
+            counts: Counts::Mesh,
             sample: |gap, rng| if gap == 0.0 && rng.random() { grid_fan(Aim::Edges, rng) } else { hinge(gap, rng) },
         },
         Regime {
@@ -122,7 +131,7 @@ impl Subject for Triangle {
                     rays meet the vertex exactly.",
             axis: "triangles around the vertex",
             steps: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0],
-            mesh: true,
+            counts: Counts::Mesh,
             sample: |triangles, rng| vertex_fan(triangles as usize, rng),
         },
         Regime {
@@ -131,7 +140,7 @@ impl Subject for Triangle {
                     the world's origin.",
             axis: "distance to the world's origin / size of the mesh",
             steps: &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5],
-            mesh: true,
+            counts: Counts::Mesh,
             sample: closed_mesh,
         },
         Regime {
@@ -140,10 +149,78 @@ impl Subject for Triangle {
                     of the last starts are so close that only exact numbers tell the side.",
             axis: "distance of the start from the triangle, ulp of its coordinates",
             steps: &[32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.0],
-            mesh: false,
+            counts: Counts::Tests,
             sample: |ulps, rng| {
                 if ulps == 0.0 && rng.random() { next_to_lattice_plane(rng) } else { off_surface(ulps, rng) }
             },
+        },
+        Regime {
+            name: "vertex_order",
+            about: "Rays that meet an edge of two triangles. Most kernels treat the edge v1v2 unlike the others, so \
+                    leaks depend on the order of the vertices. The edge is, in the two triangles: 1 v1v2 and v1v2, \
+                    3 v2v0 and v1v2, 5 v0v1 and v1v2, 7 v0v1 and v2v0, 9 v2v0 and v2v0, 11 v0v1 and v0v1. Even \
+                    numbers are the same, seen from the back.",
+            axis: "number of the vertex order",
+            steps: &ORDERS,
+            counts: Counts::Mesh,
+            sample: |order, rng| ordered_hinge(order as usize, rng),
+        },
+        Regime {
+            name: "t_junction",
+            about: "Rays aimed ever closer to an edge on which a vertex of two other triangles lies. No two triangles \
+                    share the whole edge. Only rays that exactly hit a triangle count, not those through the gap that \
+                    rounding the vertex leaves.",
+            axis: "distance to the edge / size of the triangle",
+            steps: GAPS,
+            counts: Counts::Mesh,
+            sample: t_junction,
+        },
+        Regime {
+            name: "horizon",
+            about: "Rays at the edges, vertices and insides of a ground of many triangles, from one cell above it and \
+                    ever farther away. The angle falls as the distance grows. What rounding does to a far vertex is \
+                    magnified by the inverse of the angle.",
+            axis: "distance of the hit / size of a cell",
+            steps: &[1e1, 1e2, 3e2, 1e3, 3e3, 1e4],
+            counts: Counts::Mesh,
+            sample: horizon,
+        },
+        Regime {
+            name: "silhouette",
+            about: "Rays that pass ever closer to the silhouette of a closed mesh, on both sides. There a front meets \
+                    a back. A ray that loses one of them seems to be inside the mesh from there on.",
+            axis: "distance to the silhouette / size of the mesh",
+            steps: &[1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0],
+            counts: Counts::Crossings,
+            sample: silhouette,
+        },
+        Regime {
+            name: "depth_order",
+            about: "Rays near the edge of two triangles that are folded together ever more closely. They hit one \
+                    triangle just behind the other. A picture shows the one with the lesser t.",
+            axis: "angle of the fold, rad",
+            steps: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            counts: Counts::Closest,
+            sample: fold,
+        },
+        Regime {
+            name: "inside_box",
+            about: "Rays at an ever smaller angle to slivers, into them and past them. A hit outside the triangle's \
+                    own box is found in one tree and not in another, unless the box rule rejects or clamps it.",
+            axis: "angle between ray and triangle, rad",
+            steps: &[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            counts: Counts::Boxes,
+            sample: grazed_sliver,
+        },
+        Regime {
+            name: "flat_box",
+            about: "Triangles whose own boxes are ever flatter. At last the triangle is parallel to an axis. The \
+                    distances of box and triangle are rounded separately, so even a correctly rounded t may lie \
+                    outside the box.",
+            axis: "thickness / size of the triangle's box",
+            steps: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0],
+            counts: Counts::Boxes,
+            sample: flat,
         },
     ];
 
@@ -170,6 +247,10 @@ impl Subject for Triangle {
             },
         },
     ];
+
+    fn own_box(&self) -> Option<Aabb> {
+        Some(self.bounds())
+    }
 
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
         match workload {
@@ -199,13 +280,18 @@ pub(super) fn moved(shape: &Triangle, by: Vec3) -> Triangle {
     map(shape, |vertex| vertex + by)
 }
 
-/// The same triangle, starting with a random vertex: each edge can be the one between `v1` and `v2`.
-fn turned(Triangle { v0, v1, v2 }: Triangle, rng: &mut Pcg64) -> Triangle {
-    match rng.random_range(0..3) {
+/// The same triangle, starting with vertex 0, 1 or 2.
+pub(super) fn starting_with(vertex: usize, Triangle { v0, v1, v2 }: Triangle) -> Triangle {
+    match vertex {
         0 => Triangle { v0, v1, v2 },
         1 => Triangle { v0: v1, v1: v2, v2: v0 },
         _ => Triangle { v0: v2, v1: v0, v2: v1 },
     }
+}
+
+/// The same triangle, starting with a random vertex: each edge can be the one between `v1` and `v2`.
+pub(super) fn turned(shape: Triangle, rng: &mut Pcg64) -> Triangle {
+    starting_with(rng.random_range(0..3), shape)
 }
 
 /// Any triangle of about unit size near the world's origin.
@@ -225,7 +311,7 @@ pub(super) fn regular(plane: Mat3, size: f32, rng: &mut Pcg64) -> Triangle {
 }
 
 /// A triangle in the plane of `x` and `y`, about one unit long. `aspect` is its length by its height.
-fn sliver(plane: Mat3, aspect: f32, rng: &mut Pcg64) -> Triangle {
+pub(super) fn sliver(plane: Mat3, aspect: f32, rng: &mut Pcg64) -> Triangle {
     let length = rng.random_range(0.5..2.0);
     let v0 = in_cube(rng, 1.0);
     let v1 = v0 + plane.x_axis * length;
@@ -238,7 +324,7 @@ pub(super) fn inside(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
     if u + v > 1.0 { shape.point(1.0 - u, 1.0 - v) } else { shape.point(u, v) }
 }
 
-fn inside_or_past(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
+pub(super) fn inside_or_past(shape: &Triangle, rng: &mut Pcg64) -> Vec3 {
     if rng.random_bool(0.6) {
         return inside(shape, rng);
     }
@@ -257,13 +343,13 @@ const COMPASS: [[f32; 2]; 8] =
     [[4.0, 0.0], [3.0, 3.0], [0.0, 4.0], [-3.0, 3.0], [-4.0, 0.0], [-3.0, -3.0], [0.0, -4.0], [3.0, -3.0]];
 
 /// A ray at `target` from a few units away, at more than 0.3 rad to the plane of `x` and `y`.
-fn steep_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
+pub(super) fn steep_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
     ray_from(target + steep(plane, rng) * rng.random_range(0.5..4.0), target, rng)
 }
 
 /// A ray at `target` from a few units away, off `z` by at most half a unit in `x` and in `y`. It is steeper than every
 /// triangle of the meshes.
-fn upright_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
+pub(super) fn upright_ray(target: Vec3, plane: Mat3, rng: &mut Pcg64) -> Ray<f32> {
     let Vec2 { x, y } = in_square(rng, 0.5);
     let away = plane.x_axis * x + plane.y_axis * y + plane.z_axis;
     ray_from(target + away * rng.random_range(0.5..4.0), target, rng)
@@ -292,7 +378,7 @@ enum Aim {
 /// A grid on which the coordinates of a mesh and the directions of its rays have few digits. A ray can then meet a
 /// point of the mesh exactly.
 #[derive(Clone, Copy)]
-struct Grid {
+pub(super) struct Grid {
     /// Steps per unit of length.
     steps: i32,
     /// Steps per unit of a ray's slope.
@@ -301,29 +387,34 @@ struct Grid {
 
 impl Grid {
     /// Whole numbers. Most arithmetic on them is exact.
-    const COARSE: Self = Self { steps: 1, slopes: 16 };
+    pub(super) const COARSE: Self = Self { steps: 1, slopes: 16 };
     /// As many digits as possible with an exact ray. Even `f64` must round a product of three.
     const FINE: Self = Self { steps: 4096, slopes: 131_072 };
 
-    fn any(rng: &mut Pcg64) -> Self {
+    pub(super) fn any(rng: &mut Pcg64) -> Self {
         if rng.random() { Self::COARSE } else { Self::FINE }
     }
 
     /// A point of the grid with coordinates up to `range` units.
-    fn point(self, range: i32, rng: &mut Pcg64) -> Vec3 {
+    pub(super) fn point(self, range: i32, rng: &mut Pcg64) -> Vec3 {
         Vec3::from([0; 3].map(|_| whole(rng, range * self.steps))) / self.steps as f32
     }
 
     /// A ray that meets `target` exactly, from the side of positive `z`.
-    fn ray(self, target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
+    pub(super) fn ray(self, target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
+        self.ray_from(1, target, rng)
+    }
+
+    /// The same, from at least this height above `target`.
+    pub(super) fn ray_from(self, height: i32, target: Vec3, rng: &mut Pcg64) -> Ray<f32> {
         let slope = |rng: &mut Pcg64| whole(rng, self.slopes / 2) / self.slopes as f32;
         let dir = Vec3::new(slope(rng), slope(rng), -1.0);
-        Ray::new(target - dir * rng.random_range(1..=64) as f32, dir)
+        Ray::new(target - dir * rng.random_range(height..=64) as f32, dir)
     }
 }
 
 /// The sample with its axes exchanged and mirrored, which is exact: each axis can be the steep one.
-fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
+pub(super) fn shuffled(sample: Sample<Triangle>, rng: &mut Pcg64) -> Sample<Triangle> {
     let first = rng.random_range(0..3);
     let signs = [0; 3].map(|_| sign(rng));
     let change = |v: Vec3| Vec3::from([0, 1, 2].map(|axis| v[(first + axis) % 3] * signs[axis]));
@@ -352,6 +443,13 @@ fn grid_fan(aim: Aim, rng: &mut Pcg64) -> Sample<Triangle> {
 
 /// Two triangles that share an edge, and rays at the relative distance `gap` to the edge.
 fn hinge(gap: f32, rng: &mut Pcg64) -> Sample<Triangle> {
+    let mut sample = unturned_hinge(gap, rng);
+    sample.shapes = sample.shapes.into_iter().map(|shape| turned(shape, rng)).collect();
+    sample
+}
+
+/// [`hinge`] with the shared edge between `v0` and `v1` of both triangles.
+pub(super) fn unturned_hinge(gap: f32, rng: &mut Pcg64) -> Sample<Triangle> {
     let plane = frame(rng);
     let corner = |x: f32, y: f32, rng: &mut Pcg64| plane * (Vec3::new(x, y, 0.0) + in_cube(rng, 0.2));
     let (a, b) = (corner(0.0, -1.0, rng), corner(0.0, 1.0, rng));
@@ -362,8 +460,7 @@ fn hinge(gap: f32, rng: &mut Pcg64) -> Sample<Triangle> {
         upright_ray(on_edge + (apex - on_edge) * gap, plane, rng)
     });
     let rays = rays.collect();
-    let shapes = [Triangle { v0: a, v1: b, v2: left }, Triangle { v0: b, v1: a, v2: right }];
-    Sample { rays, shapes: shapes.map(|shape| turned(shape, rng)).to_vec() }
+    Sample { rays, shapes: vec![Triangle { v0: a, v1: b, v2: left }, Triangle { v0: b, v1: a, v2: right }] }
 }
 
 /// A fan of `triangles` triangles, and rays through its middle vertex.
@@ -475,7 +572,7 @@ mod tests {
     #[test]
     fn meshes_face_their_rays_the_same_way() {
         let mut checked = 0;
-        for regime in Triangle::REGIMES.iter().filter(|regime| regime.mesh) {
+        for regime in Triangle::REGIMES.iter().filter(|regime| regime.counts == Counts::Mesh) {
             for &severity in regime.steps {
                 for index in 0..200 {
                     let mut rng = rng(1, "facing", regime.name, &[], index);

@@ -147,6 +147,9 @@ mod tests {
         let record = record_of(&all_ids());
         for (regime, metrics) in [
             ("vertex_fan", vec![Metric::Leak, Metric::DoubleHit, Metric::Ulp]),
+            ("silhouette", vec![Metric::Odd, Metric::Ulp]),
+            ("depth_order", vec![Metric::WrongClosest, Metric::Ulp]),
+            ("inside_box", vec![Metric::Rejected, Metric::Clamped, Metric::Ulp]),
             ("flat", vec![Metric::Lost, Metric::FalseHit, Metric::Ulp]),
             ("sliver", vec![Metric::Wrong, Metric::Ulp]),
         ] {
