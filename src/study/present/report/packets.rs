@@ -4,12 +4,10 @@ use super::cells::code;
 use crate::study::figures::{Group, KernelFigures, MISSING, count, number, percent, times};
 use crate::study::present::chart::PACKETS;
 use crate::study::present::grid::{Cell, Grid};
-use crate::study::record::{OperationCounts, RateRow, Record};
+use crate::study::record::{RateRow, Record};
 
 /// Lanes of a packet: the ideal gain.
 const IDEAL: f64 = 8.0;
-/// The report explains a gain below this.
-const GOOD: f64 = 7.0;
 
 /// The section; empty if no kernel was timed at both widths.
 pub(super) fn section(record: &Record, groups: &[Group]) -> Vec<String> {
@@ -36,12 +34,6 @@ pub(super) fn section(record: &Record, groups: &[Group]) -> Vec<String> {
     let mut grid = Grid::new(1, header);
     grid.rows.extend(kernels.iter().map(|kernel| row(kernel)));
     parts.push(grid.markdown());
-    let explained =
-        |kernel: &&KernelFigures| Some(format!("- `{}`: {}", kernel.method.id, explanation(record, kernel)?));
-    let explanations: Vec<_> = kernels.iter().filter_map(explained).collect();
-    if !explanations.is_empty() {
-        parts.push(format!("### Why some kernels gain less than {GOOD}×\n\n{}", explanations.join("\n")));
-    }
     if !record.rates.is_empty() {
         parts.push(
             "### Measured throughput of eight-lane operations\n\nOne thread. Data is in registers; loads come from the \
@@ -71,34 +63,6 @@ fn row(kernel: &KernelFigures) -> Vec<Cell> {
     ]
 }
 
-/// Why a kernel's packets gain less than [`GOOD`], from counts and measurements; `None` if they gain enough.
-fn explanation(record: &Record, kernel: &KernelFigures) -> Option<String> {
-    let gain = kernel.gain().filter(|&gain| gain < GOOD)?;
-    let mut reasons = vec![times(Some(gain))];
-    if let (Some(packet), Some(scalar)) = (kernel.limit_share(), kernel.scalar_limit_share()) {
-        let [packets, rays] = [packet, scalar].map(|share| percent(Some(share)));
-        reasons.push(if scalar > 1.0 {
-            format!("scalar code skips work (its share of the limit is {rays})")
-        } else {
-            format!("scalar code is closer to its limit than packets are: {IDEAL} × {packets} / {rays}")
-        });
-    }
-    // Only for triangles: the test of a box has little to skip, and that of a quadric ends with its roots.
-    if let Some(hits) = kernel.speed("1x1", 1).filter(|row| row.id.contains("triangle/")).map(|row| row.hit_share) {
-        let none = percent(Some(1.0 - hits));
-        reasons.push(format!("scalar code exits early on a miss, in {none} of the tests; packets do not"));
-    }
-    let OperationCounts { mul, add, mul_f64, add_f64, .. } = kernel.method.operations;
-    let takes = |precision| record.rates.iter().find(|row| row.operation == "multiply" && row.precision == precision);
-    if let (Some(in_f32), Some(in_f64)) = (takes("f32"), takes("f64"))
-        && 2 * (mul_f64 + add_f64) > mul + add
-    {
-        let ratio = in_f64.ns_per_operation / in_f32.ns_per_operation;
-        reasons.push(format!("eight lanes of `f64` take {} as long as eight lanes of `f32`", times(Some(ratio))));
-    }
-    Some(reasons.join("; "))
-}
-
 fn rates(rows: &[RateRow]) -> String {
     let mut grid = Grid::new(2, ["operation", "precision", "ns", "billions per second", "samples"]);
     grid.rows.extend(rows.iter().map(|row| {
@@ -117,42 +81,7 @@ fn rates(rows: &[RateRow]) -> String {
 mod tests {
     use super::*;
     use crate::study::figures::groups;
-    use crate::study::figures::summary;
     use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
-
-    fn explained(record: &Record, id: &str) -> Option<String> {
-        let groups = groups(record);
-        let kernel = groups.iter().flat_map(|group| &group.kernels).find(|kernel| kernel.method.id == id).unwrap();
-        explanation(record, kernel)
-    }
-
-    #[test]
-    fn a_small_gain_is_explained_by_counts_and_measurements() {
-        let mut record = record_of(&["triangle/cramer".into(), "triangle/moller_trumbore_f64".into()]);
-        let set = |record: &mut Record, scalar: f64, packet: f64| {
-            for row in &mut record.speed {
-                row.ns_per_test = if row.width == "1x1" { scalar } else { packet };
-            }
-            record.kernels = summary::kernels(record);
-        };
-        // The limit is 52 operations of 0.08 ns for eight tests.
-        set(&mut record, 5.2, 1.04);
-        let text = explained(&record, "triangle/cramer").unwrap();
-        assert!(
-            text.starts_with("5.00×; scalar")
-                && text.contains("8 × 50 % / 80 %")
-                && text.contains("exits early on a miss, in 89 % of the tests"),
-            "{text}"
-        );
-        assert!(!text.contains("f64"), "{text}");
-        assert!(explained(&record, "triangle/moller_trumbore_f64").unwrap().contains("`f64` take 2.00× as long"));
-        set(&mut record, 3.0, 1.0);
-        assert!(
-            explained(&record, "triangle/cramer").unwrap().contains("skips work (its share of the limit is 139 %)")
-        );
-        set(&mut record, 7.1, 1.0);
-        assert_eq!(explained(&record, "triangle/cramer"), None);
-    }
 
     #[test]
     fn every_kernel_that_was_timed_is_in_the_table() {
