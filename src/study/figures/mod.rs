@@ -9,6 +9,7 @@ mod kernel;
 mod limit;
 pub(crate) mod peers;
 mod rate;
+mod scaling;
 pub(crate) mod summary;
 pub(crate) mod tracer;
 
@@ -16,3 +17,4 @@ pub(crate) use format::{MISSING, count, number, optional, percent, severity, si,
 pub(crate) use group::{Group, Loss, groups, groups_of_methods};
 pub(crate) use kernel::{KernelFigures, fastest_of, thread_counts, tied};
 pub(crate) use rate::Rate;
+pub(crate) use scaling::Scaling;

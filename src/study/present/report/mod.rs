@@ -33,6 +33,7 @@ pub(crate) fn report_markdown(record: &Record) -> String {
         advice::legend(&groups),
         kernels::KERNELS.to_owned(),
         kernels::kernel_table(&groups),
+        kernels::loop_and_cache(record),
     ]);
     parts.extend(packets::section(record, &groups));
     parts.extend(failures::absent(record));
