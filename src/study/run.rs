@@ -5,6 +5,7 @@ use std::time::{Instant, SystemTime};
 
 use super::figures::{claims, summary};
 use super::measure::accuracy::Kernels;
+use super::measure::built_scene::picture_size;
 use super::measure::processes::Timed;
 use super::measure::survey::Survey;
 use super::measure::{
@@ -60,7 +61,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
     let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part] =
-        if options.quick { [0.6, 4.0, 1.0, 4.7, 1.0, 0.1] } else { [50.0, 48.0, 20.0, 40.0, 13.0, 6.0] };
+        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [51.0, 48.0, 20.0, 40.0, 29.0, 4.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
     let parts = progress.parts(&[
@@ -81,7 +82,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
     // Many short samples: other work on the machine disturbs some of them, and the median ignores those.
-    let (processes, rounds, picture, scene_rounds) = if options.quick { (2, 2, 32, 1) } else { (5, 8, 192, 3) };
+    let (processes, rounds, picture, scene_rounds) = if options.quick { (2, 2, 32, 1) } else { (5, 7, 192, 3) };
     let timed = Timed { seed: options.seed, rounds, scenes: options.scenes.clone(), picture, scene_rounds };
     let mut reach = |share| speed_part.reach(share);
     let times = match &options.program {
@@ -110,7 +111,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     }
     let scene_speed = scene_speed::rows(&on_scenes, &times)?;
     let mut tracer_rows = Vec::new();
-    let (size, samples) = if options.quick { (128, 3) } else { (384, 5) };
+    let (size, samples) = (picture_size(options.quick), if options.quick { 3 } else { 5 });
     for (scene, progress) in scenes_part.each(&options.scenes) {
         tracer_rows.extend(tracer::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
@@ -137,6 +138,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
             .map(|absent| AbsentRow { id: absent.id.into(), reason: absent.reason.into() })
             .collect(),
         speed: speed.rows(&times)?,
+        loops: speed.loop_rows(&times)?,
         rates: operation_rates::rows(&times)?,
         regimes: survey.regimes,
         accuracy: survey.rows,

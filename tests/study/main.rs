@@ -94,6 +94,14 @@ fn every_kernel_is_measured_and_charted() {
         }
     }
     assert!(record.speed.iter().all(|row| row.ns_per_test > 0.0 && row.ns_per_test.is_finite()));
+    let loops: Vec<_> = record.loops.iter().map(|row| (row.width.as_str(), row.threads, row.hit_share)).collect();
+    let widths = |threads| ["1x1", "8x1", "1x8"].map(|width| (width, threads, 0.0));
+    assert_eq!(loops, [widths(1), widths(2)].concat(), "the empty kernel is timed, and it never hits");
+    for row in record.speed.iter().chain(&record.loops) {
+        assert!(row.ns_per_test_low <= row.ns_per_test && row.ns_per_test <= row.ns_per_test_high, "{row:?}");
+        // Without a program, one process takes the samples.
+        assert_eq!(row.ns_of_rounds.groups().iter().map(Vec::len).collect::<Vec<_>>(), [4], "{}", row.id);
+    }
     let fused = usize::from(cfg!(all(target_feature = "avx", target_feature = "fma")));
     assert_eq!(record.rates.len(), 9 + fused);
     let simple = || record.accuracy.iter().filter(|row| row.severity.is_none());
@@ -154,6 +162,11 @@ fn tracer_is_measured(record: &Record) {
         assert_eq!(checksums.len(), JITTERS.len(), "{scene}: rays with another jitter must have other hits");
     }
     assert_eq!(record.coherence.len(), 2 * JITTERS.len() * Mode::ALL.len());
+    // What three sections time is the same where its name is: the primary rays of a scene.
+    let primary = record.tracer.iter().find(|row| row.scene == "room:small" && row.rays == "primary").unwrap();
+    assert_eq!(sums(|row| &row.checksum, "room:small", 0.0)[0], primary.checksum);
+    let small = record.scaling.iter().find(|row| row.scene == "terrain:1e3" && row.rays == "primary").unwrap();
+    assert_eq!(sums(|row| &row.checksum, "terrain:1e3", 0.0)[0], small.checksum);
     assert!(record.coherence.iter().all(|row| row.ray_count == 64 * 64 && row.lanes <= 8 * row.tests));
     let sizes: Vec<_> = record.scaling.iter().map(|row| (row.scene.as_str(), row.rays.as_str())).collect();
     let expected = ["terrain:1e3", "terrain:1e4"].map(|scene| ray_sets::NAMES.map(|rays| (scene, rays)));

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::rate::{Rate, ulp_p99};
+use super::scaling::Scaling;
 use crate::study::measure::stats::ratio;
 use crate::study::record::{AccuracyRow, KernelRow, MethodRow, Record, SpeedRow};
 
@@ -52,6 +53,12 @@ impl<'a> KernelFigures<'a> {
     /// Million tests per second.
     pub(crate) fn mtests(&self, width: &str, threads: usize) -> Option<f64> {
         self.speed(width, threads).map(|row| row.tests_per_second / 1e6)
+    }
+
+    /// Throughput with several threads over throughput with one.
+    pub(crate) fn scaling(&self, width: &str, threads: usize) -> Option<Scaling> {
+        let [one, several] = [self.speed(width, 1)?, self.speed(width, threads)?];
+        Scaling::of_times(&one.ns_of_rounds, &several.ns_of_rounds, threads)
     }
 
     /// Time of a scalar test over the time of a test in a packet of eight rays.

@@ -11,6 +11,7 @@ mod limit;
 pub(crate) mod on_scenes;
 pub(crate) mod peers;
 mod rate;
+mod scaling;
 pub(crate) mod summary;
 pub(crate) mod tracer;
 
@@ -18,3 +19,4 @@ pub(crate) use format::{MISSING, count, number, optional, percent, severity, si,
 pub(crate) use group::{Group, Loss, groups};
 pub(crate) use kernel::{Failures, KernelFigures, thread_counts, tied};
 pub(crate) use rate::Rate;
+pub(crate) use scaling::Scaling;

@@ -1,9 +1,7 @@
 //! Figures of the tracer: modes side by side, several threads against one, packets against single rays as coherence
 //! falls, and growth of the cost with the size of the scene.
 
-use std::fmt;
-
-use super::format::number;
+use super::scaling::Scaling;
 use crate::study::record::{CoherenceRow, Record, ScalingRow, TracerRow};
 use crate::tracer::Mode;
 
@@ -70,31 +68,15 @@ impl<'a> TracedSet<'a> {
     }
 
     /// Speed with several threads over speed with one thread.
-    pub(crate) fn scaling(&self, mode: &str, threads: usize) -> Option<Ratio> {
-        let [many, one] = [self.row(mode, threads)?, self.row(mode, 1)?];
-        let value = quotient(many.mrays_per_second, one.mrays_per_second)?;
-        let relative = |row: &TracerRow| row.mrays_per_second_mad / row.mrays_per_second;
-        Some(Ratio { value, spread: value * (relative(many) + relative(one)) })
+    pub(crate) fn scaling(&self, mode: &str, threads: usize) -> Option<Scaling> {
+        let [one, several] = [self.row(mode, 1)?, self.row(mode, threads)?];
+        Scaling::of_times(&one.ns_of_rounds, &several.ns_of_rounds, threads)
     }
 }
 
 /// `a / b`; `None` if that is not finite.
 fn quotient(a: f64, b: f64) -> Option<f64> {
     Some(a / b).filter(|quotient| quotient.is_finite())
-}
-
-/// A ratio of two medians.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ratio {
-    pub(crate) value: f64,
-    /// How far the ratio can be off if both medians are off by their median absolute deviation, in opposite directions.
-    pub(crate) spread: f64,
-}
-
-impl fmt::Display for Ratio {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.2}× ± {}", self.value, number(self.spread, 1))
-    }
 }
 
 /// The measurements of one scene at all jitters.
@@ -225,6 +207,7 @@ impl<'a> Growth<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::record::Samples;
     use crate::study::tests::fixture::record_of;
 
     #[test]
@@ -249,11 +232,10 @@ mod tests {
     fn several_threads_are_compared_with_one() {
         let mut record = record_of(&[]);
         for row in &mut record.tracer {
-            (row.mrays_per_second, row.mrays_per_second_mad) = if row.threads == 1 { (4.0, 0.04) } else { (7.0, 0.14) };
+            row.ns_of_rounds = Samples::new(&[if row.threads == 1 { vec![7.0, 70.0] } else { vec![4.0, 40.0] }]);
         }
-        let ratio = TracedSet::all(&record)[0].scaling("auto", 2).unwrap();
-        assert!((ratio.value - 1.75).abs() < 1e-12 && (ratio.spread - 1.75 * 0.03).abs() < 1e-12);
-        assert_eq!(ratio.to_string(), "1.75× ± 0.05");
+        let scaling = TracedSet::all(&record)[0].scaling("auto", 2).unwrap();
+        assert_eq!(scaling.to_string(), "1.75× (1.75 to 1.75)");
         assert!(TracedSet::all(&record)[0].scaling("auto", 3).is_none());
     }
 

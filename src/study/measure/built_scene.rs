@@ -11,6 +11,12 @@ use crate::tracer::{Error, LoadedScene, Scene, SceneSource};
 /// leaks would be no fair base for comparing tracers.
 pub type TracerKernel = Exact<f32>;
 
+/// Width and height of every picture that is timed. All sections about the tracer have the same, so that the same rays
+/// of the same scene appear in all of them.
+pub(crate) const fn picture_size(quick: bool) -> u32 {
+    if quick { 64 } else { 384 }
+}
+
 /// A scene that is ready to be timed, and the rays of a picture of it.
 #[derive(Debug)]
 pub(crate) struct BuiltScene {

@@ -15,6 +15,7 @@ pub(crate) fn describe() -> Machine {
     target_features.sort();
     Machine {
         cpu: cpu(),
+        first_level_cache_bytes: first_level_cache_bytes(),
         processors: std::thread::available_parallelism().map_or(1, usize::from),
         os: std::env::consts::OS.into(),
         target: env!("RAYLANES_TARGET").into(),
@@ -31,11 +32,27 @@ pub(crate) fn versions(names: &[&str]) -> Vec<String> {
 
 /// Bytes of the largest cache of the first processor; `None` if the system does not say.
 pub(crate) fn cache_bytes() -> Option<u64> {
-    let size = |index| {
-        let text = std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index{index}/size")).ok()?;
-        text.trim().strip_suffix('K')?.parse::<u64>().ok()
+    (0..8).filter_map(bytes_of_cache).max()
+}
+
+/// Bytes of the first-level data cache of the first processor; `None` if the system does not say.
+fn first_level_cache_bytes() -> Option<u64> {
+    let is_it = |&index: &u32| {
+        about_cache(index, "level").as_deref() == Some("1")
+            && about_cache(index, "type").is_some_and(|kind| ["Data", "Unified"].contains(&kind.as_str()))
     };
-    (0..8).filter_map(size).max().map(|kilobytes| kilobytes * 1024)
+    (0..8).find(is_it).and_then(bytes_of_cache)
+}
+
+fn bytes_of_cache(index: u32) -> Option<u64> {
+    let kilobytes: u64 = about_cache(index, "size")?.strip_suffix('K')?.parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+/// What the system says about a cache of the first processor.
+fn about_cache(index: u32, what: &str) -> Option<String> {
+    let text = std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index{index}/{what}")).ok()?;
+    Some(text.trim().to_owned())
 }
 
 /// The processor's name, with family and model number if the system gives them: virtual machines often shorten the

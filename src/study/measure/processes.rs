@@ -221,7 +221,7 @@ mod tests {
 
         for (script, expected) in [
             ("true", "it ended without a result"),
-            ("echo nonsense; sleep 60", "unexpected output \"nonsense\""),
+            ("echo nonsense; exec sleep 60", "unexpected output \"nonsense\""),
             ("echo first >&2; echo 'raylanes: hits differ: a' >&2; exit 2", "hits differ: a"),
             (&format!("echo '{line}'; exit 3"), "it ended with exit status: 3"),
             ("kill -KILL $$", "it ended with signal: 9 (SIGKILL)"),
@@ -238,7 +238,7 @@ mod tests {
 
         // An interrupt ends the process, although nothing waits for it yet.
         let stopped = std::thread::scope(|scope| {
-            let waiting = scope.spawn(|| run("sleep 60"));
+            let waiting = scope.spawn(|| run("exec sleep 60"));
             while running().is_none() {
                 std::thread::yield_now();
             }

@@ -1,6 +1,6 @@
 //! Cost of a ray against the size of the scene: one landscape with more and more triangles, always the same picture.
 
-use super::built_scene::BuiltScene;
+use super::built_scene::{BuiltScene, picture_size};
 use super::ray_sets::RaySet;
 use super::timing::{Job, Timing, time};
 use crate::study::progress::Progress;
@@ -33,7 +33,7 @@ impl ScalingOptions {
 /// # Errors
 /// If two runs of the same rays disagree.
 pub(crate) fn measure(options: ScalingOptions, seed: u64, progress: &Progress) -> Result<Vec<ScalingRow>, Error> {
-    let (size, samples) = if options.quick { (64, 3) } else { (512, 5) };
+    let (size, samples) = (picture_size(options.quick), if options.quick { 3 } else { 5 });
     let build = |name: &&str| BuiltScene::new(&SceneSource::parse(name)?, (size, seed));
     let scenes = options.scenes().iter().map(build).collect::<Result<Vec<_>, _>>()?;
     progress.note("terrain: cost by size");

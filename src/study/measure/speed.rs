@@ -18,6 +18,7 @@ use std::time::Instant;
 
 use wide::{f32x8, u32x8};
 
+use super::empty_kernel::EmptyKernel;
 use super::rounds::{TimedJob, Times, of_job};
 use super::stats::{median, typical};
 use crate::geom::lanes::lt8;
@@ -143,6 +144,11 @@ where
             }
             *hit = best.closest();
         }
+    }
+
+    /// Bytes of the rays, the primitives and the hits. Every width has the same.
+    fn bytes(&self) -> usize {
+        size_of_val(&self.rays[..]) + size_of_val(&self.primitives[..]) + self.rays.len() * size_of::<Hit<f32>>()
     }
 
     /// Number of calls that hit anything, and number of calls, at this width.
@@ -279,21 +285,25 @@ impl Job {
 pub(crate) struct Speed {
     pub(crate) methods: Vec<MethodRow>,
     jobs: Vec<Job>,
+    /// The timed loop without a test.
+    loops: Vec<Job>,
     seed: u64,
 }
 
 impl Speed {
     /// Prepares the jobs of every registered kernel.
     pub(crate) fn new(seed: u64) -> Self {
-        let mut speed = Self { seed, ..Self::default() };
+        let empty = Arc::new(Bench::<EmptyKernel<f32>>::new(Workload::Generic, seed));
+        let mut speed = Self { seed, loops: jobs(&empty).into(), ..Self::default() };
         crate::registry::all(&mut speed);
         speed
     }
 
-    /// Every job with each number of threads. All jobs with one thread come before those with two, so that no job is
-    /// timed twice in a row. A sample is the nanoseconds per test, all threads together, and the checksum of the hits.
+    /// Every job with each number of threads, and the loop without a test. All jobs with one thread come before those
+    /// with two, so that no job is timed twice in a row. A sample is the nanoseconds per test, all threads together,
+    /// and the checksum of the hits.
     pub(crate) fn timed_jobs(&self) -> Vec<TimedJob<'_>> {
-        let of_threads = |threads| self.jobs.iter().map(move |job| (job, threads));
+        let of_threads = |threads| self.jobs.iter().chain(&self.loops).map(move |job| (job, threads));
         let timed_job = |(job, threads): (_, usize)| TimedJob {
             name: Job::name(job, threads),
             sample: Box::new(move || {
@@ -307,16 +317,28 @@ impl Speed {
         THREAD_COUNTS.into_iter().flat_map(of_threads).map(timed_job).collect()
     }
 
-    /// The rows of all jobs, from their times.
+    /// The rows of all kernels, from their times.
     ///
     /// # Errors
     /// If two widths or thread counts of a kernel gave different hits: a timing of wrong results is worthless. Or if a
-    /// job was not timed.
+    /// kernel was not timed.
     pub(crate) fn rows(&self, all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
-        let of_threads = |threads| self.jobs.iter().map(move |job| (job, threads));
+        Self::rows_of(&self.jobs, all)
+    }
+
+    /// The rows of the loop without a test.
+    ///
+    /// # Errors
+    /// Like [`Speed::rows`].
+    pub(crate) fn loop_rows(&self, all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
+        Self::rows_of(&self.loops, all)
+    }
+
+    fn rows_of(jobs: &[Job], all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
+        let of_threads = |threads| jobs.iter().map(move |job| (job, threads));
         let row = |(job, threads): (&Job, usize)| {
             let times = of_job(all, &job.name(threads))?;
-            let first = self.jobs.iter().find(|other| other.id == job.id).expect("the list contains the job itself");
+            let first = jobs.iter().find(|other| other.id == job.id).expect("the list contains the job itself");
             if times.checksum != of_job(all, &first.name(1))?.checksum {
                 return Err(Error::Disagreement(format!("{} and {}", first.name(1), job.name(threads))));
             }
@@ -342,31 +364,38 @@ impl Speed {
 impl<S: Subject> Visitor<S> for Speed {
     fn visit<K: Kernel<Shape = S>>(&mut self) {
         let bench = Bench::<K>::new(Workload::Generic, self.seed);
-        let id = K::INFO.id.to_string();
         let [setup_ns, setup_ns_packet] =
             if size_of::<<K as Intersect<f32>>::Setup>() == 0 { [0.0; 2] } else { bench.setup_ns() };
         self.methods.push(MethodRow {
-            id: id.clone(),
+            id: K::INFO.id.to_string(),
             family: S::FAMILY.into(),
             idea: K::INFO.idea.into(),
             source: K::INFO.source.into(),
             operations: K::INFO.operations.into(),
             prepared_bytes: size_of::<K>(),
+            set_bytes: bench.other.bytes(),
             setup_bytes: size_of::<<K as Intersect<f32>>::Setup>(),
             setup_ns,
             setup_ns_packet,
             claims: K::INFO.claims.iter().map(|claim| claim.name().into()).collect(),
         });
-        let bench = Arc::new(bench);
-        for width in Width::ALL {
-            let run = |run: fn(&Bench<K>, Width, &mut [Hit<f32>])| -> Run {
-                let bench = Arc::clone(&bench);
-                Box::new(move |hits| run(&bench, width, hits))
-            };
-            let (warm_up, pass) = (run(Bench::warm_up), run(Bench::pass));
-            self.jobs.push(Job { id: id.clone(), width, hit_share: bench.hit_share(width), warm_up, pass });
-        }
+        self.jobs.extend(jobs(&Arc::new(bench)));
     }
+}
+
+/// A job for each width of a kernel.
+fn jobs<K: Kernel>(bench: &Arc<Bench<K>>) -> [Job; 3]
+where
+    K::Shape: Subject,
+{
+    Width::ALL.map(|width| {
+        let run = |run: fn(&Bench<K>, Width, &mut [Hit<f32>])| -> Run {
+            let bench = Arc::clone(bench);
+            Box::new(move |hits| run(&bench, width, hits))
+        };
+        let (warm_up, pass) = (run(Bench::warm_up), run(Bench::pass));
+        Job { id: K::INFO.id.to_string(), width, hit_share: bench.hit_share(width), warm_up, pass }
+    })
 }
 
 /// Runs the job once on each of `threads` threads at the same time. Returns the seconds until the last one is done, and

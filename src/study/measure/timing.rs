@@ -11,6 +11,7 @@ use super::ray_sets::RaySet;
 use super::stats::{mad, median};
 use crate::geom::Hit;
 use crate::study::progress::Progress;
+use crate::study::record::Samples;
 use crate::tracer::{Error, Mode, Scene, checksum, trace_set_into};
 
 /// A set of rays, and how to trace it.
@@ -44,6 +45,11 @@ impl Timing {
     /// Median of the samples in wall nanoseconds per ray, and their median absolute deviation.
     pub(crate) fn ns_per_ray(&self) -> [f64; 2] {
         self.of_samples(|seconds| seconds * 1e9 / self.rays as f64)
+    }
+
+    /// The samples in wall nanoseconds per ray.
+    pub(crate) fn ns_of_rounds(&self) -> Samples {
+        Samples::new(&[self.seconds.iter().map(|seconds| seconds * 1e9 / self.rays as f64).collect()])
     }
 
     fn of_samples(&self, figure: impl Fn(f64) -> f64) -> [f64; 2] {

@@ -43,6 +43,7 @@ pub(crate) fn measure(
                 threads: job.pool.current_num_threads(),
                 mrays_per_second,
                 mrays_per_second_mad,
+                ns_of_rounds: timing.ns_of_rounds(),
                 build_seconds: built.build_seconds,
                 bytes_per_triangle: built.bytes_per_triangle(),
                 checksum: format!("{:016x}", timing.checksum),

@@ -30,7 +30,7 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
         text += "\n\
                  scalar, single, packet, auto: million rays per second; 1T: with one thread.\n\
                  auto/best: auto over the faster of single and packet. gain: auto over scalar.\n\
-                 scaling: auto with several threads over auto with one.\n";
+                 scaling: auto with several threads over auto with one. ?: > 1× per thread: noise or shared clock.\n";
     }
     let verdict = verdict(record, &groups(record));
     if !verdict.is_empty() {
@@ -131,8 +131,10 @@ fn tracer_grid(record: &Record) -> Grid {
         }));
         row.extend([traced.auto_over_best(), traced.gain()].map(|ratio| Cell::from(times(ratio))));
         for &threads in &threads {
-            let scaling = traced.scaling("auto", threads).map(|ratio| ratio.value);
-            row.extend([optional(traced.mrays("auto", threads), 3), times(scaling)].map(Cell::from));
+            let scaling = traced.scaling("auto", threads);
+            let doubt = if scaling.is_some_and(|scaling| scaling.is_doubtful()) { "?" } else { "" };
+            let scaling = times(scaling.map(|scaling| scaling.value())) + doubt;
+            row.extend([optional(traced.mrays("auto", threads), 3), scaling].map(Cell::from));
         }
         grid.rows.push(row);
     }

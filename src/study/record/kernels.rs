@@ -77,6 +77,9 @@ pub struct MethodRow {
     pub operations: OperationCounts,
     /// Bytes that the kernel prepares per primitive.
     pub prepared_bytes: usize,
+    /// Bytes of a set that it is timed with: 512 rays, 32 prepared primitives, and the hits. A timed pass goes through
+    /// one set after the other.
+    pub set_bytes: usize,
     /// Bytes of the per-ray setup, scalar.
     pub setup_bytes: usize,
     /// Nanoseconds per ray for the setup, scalar.

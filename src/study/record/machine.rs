@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct Machine {
     /// Processor model.
     pub cpu: String,
+    /// Bytes of the first-level data cache of a core. `null` if the system does not say.
+    pub first_level_cache_bytes: Option<u64>,
     /// Number of logical processors that the program could use.
     pub processors: usize,
     /// Operating system.

@@ -35,6 +35,9 @@ pub struct Record {
     pub absent: Vec<AbsentRow>,
     /// Kernel × width × threads: throughput.
     pub speed: Vec<SpeedRow>,
+    /// Width × threads: the same timed loop, with a test that is one comparison and never holds. So much of each time
+    /// in `speed` is the loop itself. `id` is `loop`.
+    pub loops: Vec<SpeedRow>,
     /// Measured throughput of eight-lane operations.
     pub rates: Vec<RateRow>,
     /// The regimes: workloads that get harder step by step.

@@ -30,6 +30,9 @@ pub struct TracerRow {
     pub mrays_per_second: f64,
     /// Median absolute deviation of the samples.
     pub mrays_per_second_mad: f64,
+    /// The samples in wall nanoseconds per ray, with four significant digits: a list for the one process that takes
+    /// them, in the order of the rounds. Rows with the same scene and rays were timed in the same rounds.
+    pub ns_of_rounds: Samples,
     /// Seconds to build the scene's BVH, on all threads.
     pub build_seconds: f64,
     /// Bytes of meshes, instances, prepared primitives and nodes, divided by [`TracerRow::triangles`].

@@ -59,6 +59,7 @@ pub(crate) fn record_of(ids: &[String]) -> Record {
         seed: 1,
         machine: Machine {
             cpu: "Some CPU @ 3 GHz".into(),
+            first_level_cache_bytes: Some(48 << 10),
             processors: 2,
             os: "linux".into(),
             target: "x86_64-unknown-linux-gnu".into(),
@@ -68,6 +69,7 @@ pub(crate) fn record_of(ids: &[String]) -> Record {
         },
         kernels: Vec::new(),
         methods: Vec::new(),
+        loops: loops(),
         rates: rates(),
         absent: vec![AbsentRow { id: "triangle/elsewhere".into(), reason: "needs fused multiply-add".into() }],
         speed: Vec::new(),
@@ -135,6 +137,29 @@ fn add_scenes(record: &mut Record, ids: &[String]) {
     }
 }
 
+fn loops() -> Vec<SpeedRow> {
+    [("1x1", 0.5), ("8x1", 0.125), ("1x8", 0.25)].map(|(width, ns)| speed_row("loop", width, 1, ns)).into()
+}
+
+/// A row with this time per test, in three rounds of one process. All rows have the same disturbances, so none ties
+/// with another.
+fn speed_row(id: &str, width: &str, threads: usize, ns: f64) -> SpeedRow {
+    let mut row = SpeedRow {
+        id: id.into(),
+        width: width.into(),
+        threads,
+        ns_per_test: f64::NAN,
+        ns_per_test_low: f64::NAN,
+        ns_per_test_high: f64::NAN,
+        tests_per_second: f64::NAN,
+        ns_of_rounds: Samples::default(),
+        hit_share: if width == "1x1" { 0.11 } else { 0.57 },
+        checksum: String::new(),
+    };
+    set_rounds(&mut row, &[0.988, 1.0, 1.012].map(|noise| noise * ns));
+    row
+}
+
 fn rates() -> Vec<RateRow> {
     let rows = [
         ("multiply", "f32", 0.14),
@@ -180,6 +205,7 @@ fn tracer_rows() -> Vec<TracerRow> {
                         threads,
                         mrays_per_second,
                         mrays_per_second_mad: 0.01 * mrays_per_second,
+                        ns_of_rounds: Samples::new(&[[0.99, 1.0, 1.01].map(|n| n * 1e3 / mrays_per_second).into()]),
                         build_seconds: 0.21,
                         bytes_per_triangle: 132.5,
                         checksum: "7357c0de".into(),
@@ -299,6 +325,7 @@ pub(crate) fn degenerate_records() -> [Record; 3] {
     }
     for row in &mut zeros.tracer {
         (row.mrays_per_second, row.mrays_per_second_mad, row.build_seconds, row.ray_count) = (0.0, 0.0, 0.0, 0);
+        row.ns_of_rounds = Samples::default();
     }
     for row in &mut zeros.coherence {
         (row.mrays_per_second, row.mrays_per_second_mad, row.ray_count) = (0.0, 0.0, 0);
@@ -316,6 +343,7 @@ pub(crate) fn degenerate_records() -> [Record; 3] {
     }
     let mut empty = record_of(&[]);
     empty.absent.clear();
+    empty.loops.clear();
     empty.regimes.clear();
     empty.maps.clear();
     clear_tracer(&mut empty);
@@ -438,6 +466,7 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
             div_f64: 0,
         },
         prepared_bytes: 36,
+        set_bytes: 40_000 + 1000 * i,
         setup_bytes: 12,
         setup_ns: 1.5,
         setup_ns_packet: 0.25,
@@ -446,22 +475,8 @@ fn add_kernel(record: &mut Record, i: usize, id: &str) {
     let ns = 6.0 * (1.0 + 0.37 * (i % 7) as f64 + 0.05 * i as f64);
     for (width, ns) in [("1x1", ns), ("8x1", ns / (5.1 + 0.3 * (i % 5) as f64)), ("1x8", ns / 5.2)] {
         for threads in [1, 2] {
-            let ns_per_test = ns / (0.95 * threads as f64);
-            let mut row = SpeedRow {
-                id: id.into(),
-                width: width.into(),
-                threads,
-                ns_per_test: f64::NAN,
-                ns_per_test_low: f64::NAN,
-                ns_per_test_high: f64::NAN,
-                tests_per_second: f64::NAN,
-                ns_of_rounds: Samples::default(),
-                hit_share: if width == "1x1" { 0.11 } else { 0.57 },
-                checksum: format!("{i:016x}"),
-            };
-            // All kernels have the same disturbances, so none ties with another.
-            set_rounds(&mut row, &[0.988, 1.0, 1.012].map(|noise| noise * ns_per_test));
-            record.speed.push(row);
+            let row = speed_row(id, width, threads, ns / (0.95 * threads as f64));
+            record.speed.push(SpeedRow { checksum: format!("{i:016x}"), ..row });
         }
     }
     for (workload, rays) in [("generic", 1_000_000), ("edge", 200_000)] {

@@ -45,7 +45,7 @@ pub(crate) fn appendix_markdown(record: &Record) -> String {
     let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
     parts.push(format!("## The figures of the first page\n\n{}", answer::figures(record, &base)));
     parts.extend(on_scenes::section(record));
-    parts.extend([kernels::KERNELS.to_owned(), kernels::kernel_table(&groups)]);
+    parts.extend([kernels::KERNELS.to_owned(), kernels::kernel_table(&groups), kernels::loop_and_cache(record)]);
     parts.extend(packets::section(record, &groups));
     parts.extend(failures::absent(record));
     parts.extend(failures::stability(record, &groups));

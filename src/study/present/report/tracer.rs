@@ -2,8 +2,9 @@
 
 use super::cells::{code, with_mad};
 use crate::study::figures::tracer::{Coherence, Growth, TracedSet, modes};
-use crate::study::figures::{Group, KernelFigures, MISSING, count, number, optional, severity, thread_counts, times};
-use crate::study::measure::stats::median;
+use crate::study::figures::{
+    Group, KernelFigures, MISSING, Scaling, count, number, optional, severity, thread_counts, times,
+};
 use crate::study::present::chart::{COHERENCE, SCALING};
 use crate::study::present::grid::{Cell, Grid};
 use crate::study::record::{CoherenceRow, Record, TracerRow};
@@ -41,10 +42,11 @@ pub(super) fn several_threads(record: &Record, groups: &[Group]) -> Vec<String> 
     let mut parts = Vec::new();
     for threads in thread_counts(counts.filter(|&threads| threads > 1)) {
         parts.push(format!(
-            "## {threads} threads against one\n\nThroughput with {threads} threads over throughput with one. For the \
-             tracer, the ± figure combines both median absolute deviations. Each thread runs a kernel on its own data \
-             in its own first-level cache. A kernel that stays below {threads}× is slowed down by what the cores \
-             share, or by other work on the machine.{}",
+            "## {threads} threads against one\n\nThroughput with {threads} threads over throughput with one. In \
+             brackets is the 95 % interval of the ratio, which is formed within rounds. Each thread runs a kernel on \
+             its own data in its own first-level cache. A kernel that stays below {threads}× is slowed down by what \
+             the cores share, or by other work on the machine. More than {threads}× is no fact about a kernel: the \
+             machine was noisy, or the clock changes with the number of busy cores.{}",
             min_and_max(&all, threads).map_or(String::new(), |range| format!(" Tracer in mode auto: {range}."))
         ));
         parts.extend([kernels_by_threads(groups, threads), by_threads(&all, threads)].into_iter().flatten());
@@ -56,11 +58,12 @@ pub(super) fn several_threads(record: &Record, groups: &[Group]) -> Vec<String> 
 fn kernels_by_threads(groups: &[Group], threads: usize) -> Option<String> {
     let mut grid = Grid::new(1, ["kernels, in packets of eight", "min", "median", "max"]);
     for group in groups {
-        let scaling = |kernel: &KernelFigures| Some(kernel.mtests("8x1", threads)? / kernel.mtests("8x1", 1)?);
-        let mut scalings: Vec<f64> = group.kernels.iter().filter_map(scaling).collect();
-        scalings.sort_by(f64::total_cmp);
+        let scaling = |kernel: &KernelFigures| kernel.scaling("8x1", threads);
+        let mut scalings: Vec<Scaling> = group.kernels.iter().filter_map(scaling).collect();
+        scalings.sort_by(|a, b| a.value().total_cmp(&b.value()));
         if let [least, .., greatest] = scalings[..] {
-            let figures = [least, median(&scalings), greatest].map(|ratio| Cell::from(times(Some(ratio))));
+            let figures =
+                [least, scalings[scalings.len() / 2], greatest].map(|scaling| Cell::from(scaling.to_string()));
             grid.rows.push([Cell::from(group.heading())].into_iter().chain(figures).collect());
         }
     }
@@ -138,7 +141,7 @@ fn by_threads(all: &[TracedSet], threads: usize) -> Option<String> {
 fn min_and_max(all: &[TracedSet], threads: usize) -> Option<String> {
     let ratio = |traced: &TracedSet| Some((traced.scaling("auto", threads)?, place(traced)));
     let mut ratios: Vec<_> = all.iter().filter_map(ratio).collect();
-    ratios.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
+    ratios.sort_by(|(a, _), (b, _)| a.value().total_cmp(&b.value()));
     let [(least, least_at), .., (most, most_at)] = &ratios[..] else { return None };
     Some(format!("from {least} ({least_at}) to {most} ({most_at})"))
 }
@@ -156,7 +159,8 @@ pub(super) fn coherence(record: &Record) -> Vec<String> {
     let mut parts = vec![format!(
         "## Coherence\n\nThe rays of a picture, each turned at random. With jitter `j`, the direction of a ray is \
          `(1 - j)·p + j·r`, normalised. `p` is the unit direction through its pixel, and `r` is a random unit \
-         direction. At jitter 0, these are the rays of the picture. At jitter 1, they share nothing but their origin. \
+         direction. At jitter 0, these are the primary rays of the picture, the same as in the \
+         other sections. At jitter 1, they share nothing but their origin. \
          One thread, closest hit.\n\n\
          Counts come from a run that is not timed. *Lane utilisation* is the share of the eight lanes of triangle \
          tests in which an active ray meets a triangle. Nodes, leaves and tests are given per ray; what several rays \
@@ -280,10 +284,11 @@ fn growth(record: &Record) -> Vec<String> {
     }
     vec![
         format!(
-            "### Size\n\nOne landscape with more and more triangles, in the same picture. Mode auto, one thread. The \
-             cost of a ray grows with the depth of the tree and with cache misses. It also grows when triangles become \
-             smaller than pixels, because neighbouring rays then have less in common. Growth is given per factor of \
-             ten in triangles.{}\n\n\
+            "### Size\n\nOne landscape with more and more triangles, in the same picture, as large as those of the \
+             other sections. So the same scene has the same rays here. Mode auto, one thread. The cost of a ray grows \
+             with the depth of the tree and with cache misses. It also grows when triangles become smaller than \
+             pixels, because neighbouring rays then have less in common. Growth is given per factor of ten in \
+             triangles.{}\n\n\
              ![Cost of a ray, build time and memory against size]({SCALING})",
             largest_growth(&all).map_or(String::new(), |text| format!(" {text}"))
         ),
@@ -306,6 +311,7 @@ fn largest_growth(all: &[Growth]) -> Option<String> {
 mod tests {
     use super::*;
     use crate::study::figures::groups;
+    use crate::study::record::Samples;
     use crate::study::tests::fixture::record_of;
 
     #[test]
@@ -335,17 +341,19 @@ mod tests {
     fn the_gain_of_threads_is_summed_up_by_its_minimum_and_maximum() {
         let mut record = record_of(&[]);
         for row in record.tracer.iter_mut().filter(|row| row.threads == 2 && row.mode == "auto") {
-            match (row.scene.as_str(), row.rays.as_str()) {
-                ("spheres", "bounce") => row.mrays_per_second *= 0.4,
-                ("forest:10000", "shadow") => row.mrays_per_second *= 1.1,
-                _ => {}
-            }
+            let gain = match (row.scene.as_str(), row.rays.as_str()) {
+                ("spheres", "bounce") => 0.4,
+                ("forest:10000", "shadow") => 1.1,
+                _ => 1.0,
+            };
+            row.ns_of_rounds = Samples::new(&[row.ns_of_rounds.all().iter().map(|ns| ns / gain).collect()]);
         }
         let text = [throughput(&record), several_threads(&record, &groups(&record))].concat().join("\n\n");
         assert!(text.contains("## 2 threads against one"));
         assert!(
             text.contains(
-                "Tracer in mode auto: from 0.77× ± 0.03 (spheres, bounce) to 2.12× ± 0.04 (forest:10000, shadow)."
+                "Tracer in mode auto: from 0.77× (0.772 to 0.772) (spheres, bounce) to 2.12× (2.12 to 2.12), > 2×: \
+                 noise or shared clock (forest:10000, shadow)."
             ),
             "{text}"
         );
