@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::geom::{Aabb, Placed, Quadric, Triangle};
 #[cfg(fused)]
 use crate::kernels::aabb::Fused;
-use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
+use crate::kernels::aabb::{CenterRadius, Division, Padded, Reciprocal, SignSelected, TwoUlp};
 use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
 use crate::kernels::quadric::{Mixed, Naive, QuadricF64, Stable};
 use crate::kernels::triangle::{
@@ -31,8 +31,10 @@ pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
     visitor.visit::<Division<f32>>();
     visitor.visit::<Reciprocal<f32>>();
     visitor.visit::<SignSelected<f32>>();
+    visitor.visit::<CenterRadius<f32>>();
     #[cfg(fused)]
     visitor.visit::<Fused<f32>>();
+    visitor.visit::<TwoUlp<f32>>();
     visitor.visit::<Padded<f32>>();
 }
 
