@@ -9,9 +9,9 @@ use glam::DVec3;
 use crate::geom::{Aabb, Placed, Quadric, Triangle};
 #[cfg(fused)]
 use crate::kernels::aabb::Fused;
-use crate::kernels::aabb::{Division, Padded, Reciprocal, SignSelected};
+use crate::kernels::aabb::{CenterRadius, Division, Padded, Reciprocal, SignSelected, TwoUlp};
 use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
-use crate::kernels::quadric::{Mixed, Naive, QuadricF64, Stable};
+use crate::kernels::quadric::{Mixed, Naive, QuadricF64, QuadricInterval, Sphere, Stable};
 use crate::kernels::triangle::{
     BaldwinWeber, Cramer, Exact, ExactHalfOpen, ExactT, KenslerShirley, MollerTrumbore, MollerTrumboreF64, Pluecker,
     Woop, WoopHalfOpen,
@@ -31,8 +31,10 @@ pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
     visitor.visit::<Division<f32>>();
     visitor.visit::<Reciprocal<f32>>();
     visitor.visit::<SignSelected<f32>>();
+    visitor.visit::<CenterRadius<f32>>();
     #[cfg(fused)]
     visitor.visit::<Fused<f32>>();
+    visitor.visit::<TwoUlp<f32>>();
     visitor.visit::<Padded<f32>>();
 }
 
@@ -58,7 +60,9 @@ pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
 /// The tests for surfaces of second degree. Each of them can drive the tracer.
 pub fn quadrics(visitor: &mut impl Visitor<Quadric>) {
     visitor.visit::<Naive<f32>>();
+    visitor.visit::<Sphere<f32>>();
     visitor.visit::<Stable<f32>>();
+    visitor.visit::<QuadricInterval<f32>>();
     visitor.visit::<Mixed<f32>>();
     visitor.visit::<QuadricF64<f32>>();
 }

@@ -8,13 +8,17 @@
 //! The kernels differ for two kinds of rays. One runs parallel to a slab, with `0/0` or `0·∞` on its planes. The
 //! other grazes an edge or a corner, where entry and exit differ only by rounding.
 
+pub mod center_radius;
 pub mod division;
 #[cfg(any(fused, doc))]
 pub mod fused;
 pub mod padded;
 pub mod reciprocal;
 pub mod sign_selected;
+pub mod two_ulp;
 
+#[doc(inline)]
+pub use center_radius::CenterRadius;
 #[doc(inline)]
 pub use division::Division;
 #[cfg(any(fused, doc))]
@@ -27,6 +31,8 @@ pub(crate) use padded::{pad, pad8};
 pub use reciprocal::Reciprocal;
 #[doc(inline)]
 pub use sign_selected::SignSelected;
+#[doc(inline)]
+pub use two_ulp::TwoUlp;
 
 use glam::Vec3;
 use wide::f32x8;

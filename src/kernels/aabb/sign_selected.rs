@@ -2,7 +2,11 @@
 //!
 //! **Source:** A. Williams, S. Barrus, R. K. Morley, P. Shirley, "An Efficient and Robust Ray-Box Intersection
 //! Algorithm", 2005 (sign of the inverse direction). The order of operands that lets a NaN drop out is discussed in
-//! T. Barnes, "Fast, Branchless Ray/Bounding Box Intersections, Part 2: NaNs", 2015.
+//! T. Barnes, "Fast, Branchless Ray/Bounding Box Intersections, Part 2: NaNs", 2015, and "Part 3: Boundaries", 2022.
+//! Part 3 ends with this test.
+//!
+//! **Left out:** the other test of Part 3, `min(max(t₁, entry), max(t₂, entry))`. It gives the same figures in all
+//! regimes, to the last ray, and takes 19 minima, maxima and comparisons instead of 7.
 //!
 //! **Idea:** the sign bit of the inverse direction says which plane of a slab is near. −0 has it, +0 does not. An
 //! accumulator changes only if a comparison succeeds, and a comparison with `0·∞` never does.

@@ -15,24 +15,31 @@
 //!
 //! The polynomial is `a·t² + 2b·t + c`, its discriminant `b² - a·c`. The discriminant is about the square of the
 //! surface's size. Its terms are about the square of the distance of the point about which they are expanded. From a
-//! thousand sizes away nothing is left of the difference. So every kernel except `quadric/naive` first moves an origin
-//! outside the box along the ray, to a point near the surface. In `-b ± √D` the root of the smaller magnitude is lost a
-//! second time where b² is much larger than a·c: next to the surface, or where `a` is small. These kernels compute it
-//! from the other root.
+//! thousand sizes away nothing is left of the difference. So `stable`, `mixed` and `f64` first move an origin outside
+//! the box along the ray, to a point near the surface. `sphere` and `interval` compute the discriminant from the point
+//! of the ray that is closest to the centre. In `-b ± √D` the root of the smaller magnitude is lost a second time where
+//! b² is much larger than a·c: next to the surface, or where `a` is small. All of these kernels compute it from the
+//! other root.
 
+pub mod interval;
 pub mod mixed;
 pub mod naive;
 // The file has the name of the kernel's ID. A module `f64` would hide the type `f64` in this file.
 #[path = "f64.rs"]
 pub mod quadric_f64;
+pub mod sphere;
 pub mod stable;
 
+#[doc(inline)]
+pub use interval::QuadricInterval;
 #[doc(inline)]
 pub use mixed::Mixed;
 #[doc(inline)]
 pub use naive::Naive;
 #[doc(inline)]
 pub use quadric_f64::QuadricF64;
+#[doc(inline)]
+pub use sphere::Sphere;
 #[doc(inline)]
 pub use stable::Stable;
 

@@ -53,7 +53,7 @@ prepared! {
     pub struct Stable<P: Lanes> {
         form: Form<P>,
         center: P::Vec3,
-        clip: Slabs<P>,
+        pub(super) clip: Slabs<P>,
     }
 }
 
