@@ -200,6 +200,8 @@ impl Drop for Process {
 
 #[cfg(all(test, unix))]
 mod tests {
+    use std::time::Instant;
+
     use super::*;
 
     fn run(script: &str) -> Result<Vec<JobTimes>, String> {
@@ -219,6 +221,7 @@ mod tests {
         let times = times_of(command, &mut |share| shares.push(share)).unwrap();
         assert_eq!((times[0].checksum, &times[0].ns[..], &shares[..]), (u64::MAX, &[1.5, 2.0][..], &[0.5][..]));
 
+        let begin = Instant::now();
         for (script, expected) in [
             ("true", "it ended without a result"),
             ("echo nonsense; exec sleep 60", "unexpected output \"nonsense\""),
@@ -236,7 +239,7 @@ mod tests {
         let expected = "/nowhere/program: process 1 of 5 that times kernels: No such file or directory";
         assert_eq!(error, expected);
 
-        // An interrupt ends the process, although nothing waits for it yet.
+        // An interrupt ends the process before it ends by itself.
         let stopped = std::thread::scope(|scope| {
             let waiting = scope.spawn(|| run("exec sleep 60"));
             while running().is_none() {
@@ -246,5 +249,6 @@ mod tests {
             waiting.join().unwrap()
         });
         assert_eq!(stopped.unwrap_err(), "it was stopped");
+        assert!(begin.elapsed() < Duration::from_secs(50), "a process was not ended but waited for");
     }
 }

@@ -4,7 +4,10 @@
 //! **Intervals** are 95 % percentile intervals of a hierarchical bootstrap (Efron, "Bootstrap Methods: Another Look at
 //! the Jackknife", 1979; Kalibera, Jones, "Rigorous Benchmarking in Reasonable Time", 2013). A resample draws as many
 //! processes as there are, with replacement, and then as many rounds of each drawn process, with replacement. The
-//! generator always starts from the same state, so the same samples always have the same interval.
+//! generator always starts from the same state, so the same samples always have the same interval. Few processes tell
+//! little about others. In a simulation with normal noise and five processes of seven rounds, the interval held the
+//! true median in 96 % of 250 cases if processes did not differ, and in 88 % if they differed by twice the noise of a
+//! round.
 //!
 //! **Ratios** of two timings are formed within each round, where both had the same disturbances, and only then is their
 //! median taken.
