@@ -39,8 +39,8 @@ impl Locate for Placed<Quadric> {
     }
 }
 
-/// The hit at the root that rounds to the true `t`. `to_world` transforms a gradient to the world. It may multiply it by
-/// a positive number.
+/// The hit at the root that rounds to the true `t`. `to_world` transforms a gradient to the world, and may multiply it
+/// by a positive number.
 fn hit(
     shape: &Quadric,
     line: &Line<Dyadic>,
@@ -49,9 +49,9 @@ fn hit(
     to_world: impl FnOnce([Dyadic; 3]) -> [Dyadic; 3],
 ) -> ExactHit {
     let polynomial = Polynomial::of(shape, line).flatten().expect(HIT);
-    let is_hit = |root: &&Root| polynomial.round(**root) == Some(truth.t);
-    let root = polynomial.distinct_roots().iter().find(is_hit).expect(HIT);
-    ExactHit::at(ray, polynomial.quotient(*root), |num, den| {
+    let mut quotients = polynomial.distinct_roots().iter().map(|&root| polynomial.quotient(root));
+    let quotient = quotients.find(|[num, den]| num.divided_by(den) == Some(truth.t)).expect(HIT);
+    ExactHit::at(ray, quotient, |num, den| {
         // The point in the coordinates of the quadric, times `weight`.
         let point = [0, 1, 2].map(|axis| line.origin[axis].times(den).plus(&num.times(&line.dir[axis])));
         let weight = line.scaled(den.clone());

@@ -54,7 +54,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
     let [speed_part, accuracy_part, scenes_part, coherence_part, scaling_part] =
-        if options.quick { [0.6, 4.0, 4.7, 1.0, 0.1] } else { [50.0, 48.0, 40.0, 13.0, 6.0] };
+        if options.quick { [0.6, 4.0, 4.7, 1.0, 0.1] } else { [50.0, 58.0, 40.0, 13.0, 6.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
     let parts = progress.parts(&[speed_part, accuracy_part, scenes_part, coherence_part, scaling_part, peers_part]);
@@ -74,7 +74,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     })?;
 
     let mut errors = Errors { survey: Survey::new(options.quick, options.seed), claims: Vec::new() };
-    let shapes = accuracy_part.parts(&[28.0, 3.0, 4.0, 4.5, 2.5, 3.0]);
+    let shapes = accuracy_part.parts(&[32.0, 3.5, 6.0, 6.0, 3.0, 4.5]);
     errors.measure::<Triangle>(&shapes[0]);
     errors.measure::<Aabb>(&shapes[1]);
     errors.measure::<Quadric>(&shapes[2]);

@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub(crate) mod built_scene;
 pub mod coherence;
+mod hit_errors;
 pub(crate) mod machine;
 pub(crate) mod operation_rates;
 pub mod ray_sets;

@@ -9,10 +9,10 @@ use rand_pcg::Pcg64;
 
 use super::leaving::{next_to_lattice_plane, off_surface};
 use super::{
-    Axis, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray, in_cube,
-    in_square, ray_at, ray_from, sign, steep, whole,
+    Axis, FailureMap, Primitive, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray,
+    in_cube, in_square, ray_at, ray_from, sign, steep, unplaced, whole,
 };
-use crate::geom::{Ray, Triangle};
+use crate::geom::{Placed, Ray, Triangle};
 
 impl Subject for Triangle {
     const MESH: bool = true;
@@ -170,6 +170,10 @@ impl Subject for Triangle {
             },
         },
     ];
+
+    fn primitive(&self) -> Placed<Primitive> {
+        unplaced(Primitive::Triangle(*self))
+    }
 
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
         match workload {

@@ -45,7 +45,7 @@ pub(crate) fn report_markdown(record: &Record) -> String {
         let kernels = || groups.iter().flat_map(|group| &group.kernels);
         let rows: Vec<_> = kernels().filter_map(|kernel| Some((kernel, kernel.accuracy(workload)?))).collect();
         parts.push(format!("### Workload `{workload}`"));
-        parts.extend([accuracy::wrong_answers(&rows), accuracy::errors(&rows)]);
+        parts.extend([accuracy::wrong_answers(&rows), accuracy::errors(&rows), accuracy::hits(&rows)]);
     }
     parts.extend(tracer::throughput(record));
     parts.extend(tracer::coherence(record));
@@ -94,13 +94,13 @@ mod tests {
         let report = report_markdown(&record);
         let methods = groups_of_methods(&record);
         for kernel in &record.methods {
-            // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, and one table for
-            // each metric of a regime.
+            // Tables of kernels, packets, claims and checksums, three tables for each of two workloads, and for each
+            // regime one for each metric and one of hits.
             let mut groups = methods.iter();
             let group = groups.find(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let is_shown = |regime: &&RegimeRow| group.is_some_and(|group| group.title == regime.family);
             let regimes = record.regimes.iter().filter(is_shown);
-            let tables = 8 + regimes.map(|regime| Metric::of(regime).len()).sum::<usize>();
+            let tables = 10 + regimes.map(|regime| Metric::of(regime).len() + 1).sum::<usize>();
             assert_eq!(report.matches(&format!("\n| `{}` |", kernel.id)).count(), tables, "{}", kernel.id);
         }
         for chart in charts(&record) {
