@@ -1,8 +1,8 @@
 //! Point and normal of an exact hit: what the errors of points and normals are measured from.
 //!
 //! `t` is a quotient `num / den` of exact numbers, so a coordinate of the point is `(origin·den + num·dir) / den`. It
-//! is rounded once, to `f64`. Its error is at most 2⁻⁵³ of the coordinate, while rounding a point to `f32` may change each
-//! coordinate by 2⁻²⁴ of it. So the reference is 2²⁹ times as exact as any point in `f32` that has to be rounded,
+//! is rounded once, to `f64`. Its error is at most 2⁻⁵³ of the coordinate, while rounding a point to `f32` may change
+//! each coordinate by 2⁻²⁴ of it. So the reference is 2²⁹ times as exact as any point in `f32` that has to be rounded,
 //! however hard the input. The root of a quadric is cut off after 150 binary digits of `t` at least.
 
 use core::cmp::Ordering;

@@ -162,8 +162,8 @@ impl Surface {
     }
 
     /// The distance of a point from the surface. `from` is the point, relative to the exact hit. For a quadric it is
-    /// the value of the polynomial over its slope (G. Taubin, "Estimation of planar curves, surfaces, and nonplanar space
-    /// curves", 1991), right to first order, and never more than the distance to the hit.
+    /// the value of the polynomial over its slope (G. Taubin, "Estimation of planar curves, surfaces, and nonplanar
+    /// space curves", 1991), right to first order, and never more than the distance to the hit.
     fn height(&self, from: DVec3) -> f64 {
         let slope = self.gradient + self.bend * from * 2.0;
         ((self.gradient + self.bend * from).dot(from) / slope.length()).abs().min(from.length())

@@ -29,9 +29,9 @@ percentile. Once from `origin + t·dir`, once from the barycentrics. The size is
 - *normal*: angle between the tracer's normal for the hit and the exact normal: 99th percentile.
 - *backward*: error of `t`, divided by the error that rounding the input to `f32` can cause: 99th percentile. A stable \
 method stays below about 10, however hard the input.
-- *hits itself*: rays that leave the hit and are reported to hit the same primitive again, in percent. They start where \
-the tracer puts them (*offset*), or at `origin + t·dir` with a `t_min` of 1e-4 of the largest coordinate, of 1e-4 \
-of the length of the ray, or of 0.";
+- *hits itself*: rays that leave the hit and are reported to hit the same primitive again, in percent. They start \
+where the tracer puts them (*offset*), or at `origin + t·dir` with a `t_min` of 1e-4 of the largest coordinate, of \
+1e-4 of the length of the ray, or of 0.";
 
 /// The names of the workloads without severities, in the order of the record.
 pub(super) fn workloads(record: &Record) -> Vec<&str> {
