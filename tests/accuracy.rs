@@ -19,7 +19,7 @@ use libtest_mimic::Trial;
 use raylanes::geom::{Aabb, Placed, Quadric, Triangle};
 use raylanes::registry;
 use raylanes::study::accuracy::Kernels;
-use raylanes::study::record::{AccuracyRow, MapCells};
+use raylanes::study::record::{AccuracyRow, HitErrors, MapCells};
 use raylanes::study::workload::{FailureMap, Subject, Workload};
 use raylanes::tracer::thread_pool;
 
@@ -50,7 +50,18 @@ const HEADER: &str = "\
 #   t_ulp       distance of t from the correctly rounded t in ulp: median, 99th percentile, greatest
 #   gross       hits whose t is off by more than 1 % / all hits that kernel and oracle report
 #   uv          absolute error of u and v (of a box: of the exit): 99th percentile, greatest
-# A figure is left out where there is nothing to count.
+# The next figures are of one ray in eight: 99th percentile and greatest, relative to the size of the primitive and to
+# the largest coordinate.
+#   ray_point   distance of origin + t*dir, in f32, from the exact hit
+#   uv_point    distance of (1-u-v)*v0 + u*v1 + v*v2, in f32, from the exact hit
+#   ray_height  height of origin + t*dir off the exact surface
+#   uv_height   height of (1-u-v)*v0 + u*v1 + v*v2 off the exact plane
+#   normal      angle between the tracer's normal and the exact one, rad: 99th percentile, greatest
+#   backward    error of t over the error that rounding the input to f32 can cause: 99th percentile
+#   own_hit     rays that leave the hit, and that the kernel reports to hit the same primitive again / all such rays:
+#               from the tracer's start, from origin + t*dir with a t_min of 1e-4 times the largest coordinate, with one
+#               of 1e-4 times the length of the ray, and with one of 0
+# A figure is left out where there is nothing to count. inf is an error beyond the range of numbers.
 #
 # In a line of a failure map the step is the severity of the vertical axis. cells are the errors of t along the
 # horizontal axis, from easy to hard: the 99th percentile in ulp, or - where more than 1 % of the rays miss.
@@ -133,6 +144,7 @@ fn figures(row: &AccuracyRow) -> String {
         gross_per_million,
         uv_error_p99,
         uv_error_max,
+        hit_errors,
     } = row;
     assert_eq!(rays, RAYS, "{row:?}");
     let mut text = format!("tests {tests}");
@@ -162,6 +174,73 @@ fn figures(row: &AccuracyRow) -> String {
     } else {
         let errors = [uv_error_p99, uv_error_max, gross_per_million];
         assert!(t_ulp_max == 0 && errors == [0.0; 3], "an error without a hit: {row:?}");
+    }
+    text + &figures_of_hits(&hit_errors)
+}
+
+/// All figures about hits, each after a comma.
+fn figures_of_hits(errors: &HitErrors) -> String {
+    let &HitErrors {
+        measured_hits,
+        ray_point_size_p99,
+        ray_point_size_max,
+        ray_point_scene_p99,
+        ray_point_scene_max,
+        uv_point_size_p99,
+        uv_point_size_max,
+        uv_point_scene_p99,
+        uv_point_scene_max,
+        ray_height_size_p99,
+        ray_height_size_max,
+        ray_height_scene_p99,
+        ray_height_scene_max,
+        uv_height_size_p99,
+        uv_height_size_max,
+        uv_height_scene_p99,
+        uv_height_scene_max,
+        normal_error_p99,
+        normal_error_max,
+        t_backward_p99,
+        leaving_rays,
+        own_hit_offset_per_million,
+        own_hit_scene_epsilon_per_million,
+        own_hit_t_epsilon_per_million,
+        own_hit_no_epsilon_per_million,
+    } = errors;
+    if measured_hits == 0 {
+        assert_eq!(*errors, HitErrors::default(), "an error without a hit");
+        return String::new();
+    }
+    let mut text = format!(", measured {measured_hits}");
+    let mut lengths = |name, size: [Option<f64>; 2], scene: [Option<f64>; 2]| {
+        // Without a number the shape has no such point.
+        if size.iter().chain(&scene).any(Option::is_some) {
+            let [size_p99, size_max, scene_p99, scene_max] =
+                [size[0], size[1], scene[0], scene[1]].map(|error| error.unwrap_or(f64::INFINITY));
+            write!(text, ", {name} size_p99 {size_p99:e} size_max {size_max:e}").unwrap();
+            write!(text, " scene_p99 {scene_p99:e} scene_max {scene_max:e}").unwrap();
+        }
+    };
+    lengths("ray_point", [ray_point_size_p99, ray_point_size_max], [ray_point_scene_p99, ray_point_scene_max]);
+    lengths("uv_point", [uv_point_size_p99, uv_point_size_max], [uv_point_scene_p99, uv_point_scene_max]);
+    lengths("ray_height", [ray_height_size_p99, ray_height_size_max], [ray_height_scene_p99, ray_height_scene_max]);
+    lengths("uv_height", [uv_height_size_p99, uv_height_size_max], [uv_height_scene_p99, uv_height_scene_max]);
+    if let (Some(p99), Some(max)) = (normal_error_p99, normal_error_max) {
+        write!(text, ", normal p99 {p99:e} max {max:e}").unwrap();
+    }
+    if let Some(p99) = t_backward_p99 {
+        write!(text, ", backward p99 {p99:e}").unwrap();
+    }
+    if leaving_rays > 0 {
+        text += ", own_hit";
+        for (way, rate) in [
+            ("offset", own_hit_offset_per_million),
+            ("scene_epsilon", own_hit_scene_epsilon_per_million),
+            ("t_epsilon", own_hit_t_epsilon_per_million),
+            ("no_epsilon", own_hit_no_epsilon_per_million),
+        ] {
+            write!(text, " {way} {}/{leaving_rays}", count(rate, leaving_rays)).unwrap();
+        }
     }
     text
 }
@@ -359,7 +438,7 @@ fn split(figures: &str) -> Vec<Figure> {
 /// Whether a change is better or worse, or neither.
 fn verdict(name: &str, old: f64, new: f64) -> &'static str {
     // The kernel does not decide how many tests there are. An equal share with another base is the same error rate.
-    if name == "tests" || old == new {
+    if name == "tests" || name == "measured" || old == new {
         return "changed";
     }
     // All figures count errors, except the boundary rays that hit exactly one primitive.

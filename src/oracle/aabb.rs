@@ -9,12 +9,17 @@ use glam::Vec3;
 
 use crate::geom::{Aabb, Placed, Ray};
 
+use super::exact::Dyadic;
 use super::number::{Line, Number, compare, minus};
-use super::{Locate, Truth, can_hit};
+use super::{ExactHit, HIT, Locate, Truth, can_hit};
 
 impl Locate for Aabb {
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
         if can_hit(ray) { truth(self, &Line::<N>::of(ray), ray) } else { Some(Truth::MISS) }
+    }
+
+    fn locate_hit(&self, ray: &Ray<f32>, _truth: &Truth) -> ExactHit {
+        hit(self, &Line::of(ray), ray)
     }
 }
 
@@ -26,6 +31,21 @@ impl Locate for Placed<Aabb> {
         let line = Line::<N>::in_object_space(&self.object_to_world, ray)?;
         line.map_or(Some(Truth::MISS), |line| truth(&self.shape, &line, ray))
     }
+
+    fn locate_hit(&self, ray: &Ray<f32>, _truth: &Truth) -> ExactHit {
+        let line = Line::in_object_space(&self.object_to_world, ray).flatten().expect(HIT);
+        hit(&self.shape, &line, ray)
+    }
+}
+
+/// Where the ray enters. A box has no normal here: no ray leaves its surface.
+fn hit(shape: &Aabb, line: &Line<Dyadic>, ray: &Ray<f32>) -> ExactHit {
+    let segment = Segment::of(shape, line, ray).flatten().expect(HIT);
+    let quotient = match segment.entry {
+        Bound::Interval(t) => [Dyadic::new(t), Dyadic::new(1.0)],
+        Bound::Plane { num, den } => [num, den],
+    };
+    ExactHit::at(ray, quotient, |_, _| [0.0; 3].map(Dyadic::new))
 }
 
 fn truth<N: Number>(shape: &Aabb, line: &Line<N>, ray: &Ray<f32>) -> Option<Truth> {

@@ -72,29 +72,11 @@ impl Number for Dyadic {
         })
     }
 
-    /// Takes 31 or 32 bits of the quotient, and a sticky bit that tells whether any bits follow. `f64` holds them
-    /// exactly. Its conversion rounds them to `f32`, also to subnormals and to infinity. An `f32` has at most 24
-    /// bits, so the sticky bit is to the right of the first bit that is rounded off, and every tie is a true one.
+    /// `f64` holds the bits of the quotient exactly. Its conversion rounds them to `f32`, also to subnormals and to
+    /// infinity. An `f32` has at most 24 bits, so the sticky bit is to the right of the first bit that is rounded off,
+    /// and every tie is a true one.
     fn divided_by(&self, divisor: &Self) -> Option<f32> {
-        if self.int.is_zero() {
-            return Some(0.0);
-        }
-        let (mut num, mut den) = ((&self.int).unsigned_abs(), (&divisor.int).unsigned_abs());
-        let lengths = (num.bit_len(), den.bit_len());
-        let mut exponent = self.exponent - divisor.exponent;
-        if lengths.0 < lengths.1 + 31 {
-            let shift = lengths.1 + 31 - lengths.0;
-            num <<= shift;
-            exponent -= shift as i32;
-        } else {
-            let shift = lengths.0 - (lengths.1 + 31);
-            den <<= shift;
-            exponent += shift as i32;
-        }
-        let (quotient, rest) = num.div_rem(den);
-        let bits = u32::try_from(quotient).expect("a quotient has at most 32 bits") | u32::from(!rest.is_zero());
-        let magnitude = (f64::from(bits) * power_of_two(exponent)) as f32;
-        Some(if self.int.sign() == Sign::Negative { -magnitude } else { magnitude })
+        Some(self.quotient(divisor, 31) as f32)
     }
 
     /// Replaces `√discriminant` by a number that gives the same rounding.
@@ -104,6 +86,13 @@ impl Number for Dyadic {
     /// is enough to take the largest multiple of that power that is in the square root, and to add half of that power
     /// if anything is left.
     fn root(a: &Self, b: &Self, _c: &Self, discriminant: &Self, which: Root) -> Option<f32> {
+        Self::root_numerator(a, b, discriminant, which).divided_by(a)
+    }
+}
+
+impl Dyadic {
+    /// `a` times the number that replaces a root; see [`Number::root`].
+    pub(super) fn root_numerator(a: &Self, b: &Self, discriminant: &Self, which: Root) -> Self {
         let exponent = (a.exponent - 150).min(b.exponent).min(discriminant.exponent.div_euclid(2));
         let shift = (discriminant.exponent - 2 * exponent) as usize;
         let (whole, rest) = ((&discriminant.int).unsigned_abs() << shift).sqrt_rem();
@@ -113,7 +102,36 @@ impl Number for Dyadic {
             Root::Lesser => b.plus(&root).negated(),
             Root::Greater => root.minus(b),
         }
-        .divided_by(a)
+    }
+
+    /// `self / divisor`, rounded once, to nearest even. The divisor must be positive.
+    pub(super) fn over(&self, divisor: &Self) -> f64 {
+        self.quotient(divisor, 63)
+    }
+
+    /// `self / divisor` from `bits` or `bits + 1` bits of the quotient, at most 64, and a sticky bit that tells whether
+    /// any bits follow. `f64` rounds them if they are more than 53.
+    #[inline(always)]
+    fn quotient(&self, divisor: &Self, bits: usize) -> f64 {
+        if self.int.is_zero() {
+            return 0.0;
+        }
+        let (mut num, mut den) = ((&self.int).unsigned_abs(), (&divisor.int).unsigned_abs());
+        let lengths = (num.bit_len(), den.bit_len());
+        let mut exponent = self.exponent - divisor.exponent;
+        if lengths.0 < lengths.1 + bits {
+            let shift = lengths.1 + bits - lengths.0;
+            num <<= shift;
+            exponent -= shift as i32;
+        } else {
+            let shift = lengths.0 - (lengths.1 + bits);
+            den <<= shift;
+            exponent += shift as i32;
+        }
+        let (quotient, rest) = num.div_rem(den);
+        let bits = u64::try_from(quotient).expect("a quotient has at most 64 bits") | u64::from(!rest.is_zero());
+        let magnitude = bits as f64 * power_of_two(exponent);
+        if self.int.sign() == Sign::Negative { -magnitude } else { magnitude }
     }
 }
 

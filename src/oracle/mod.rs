@@ -9,10 +9,13 @@
 //! Each shape states its formulas once (`triangle.rs`, `aabb.rs`, `quadric.rs`), for any type that implements the
 //! trait of `number.rs`. The exact numbers (`exact.rs`) and the bounded ones (`filter.rs`) share these formulas. The
 //! oracle knows nothing of the kernels that it judges.
+//!
+//! [`Exact::exact_hit`] gives point and normal of a hit, in `f64` (`hit.rs`).
 
 mod aabb;
 mod exact;
 mod filter;
+mod hit;
 mod number;
 mod quadric;
 mod triangle;
@@ -22,6 +25,7 @@ use crate::geom::Shape;
 
 use exact::Dyadic;
 use filter::Bounded;
+pub use hit::ExactHit;
 use number::Number;
 
 /// The exact outcome of intersecting one ray with one shape.
@@ -72,13 +76,22 @@ pub trait Exact: Shape {
 
     /// The exact answer, from `f64` only. `None` where rounding errors leave a doubt about any part of it.
     fn truth_filtered(&self, ray: &Ray<f32>) -> Option<Truth>;
+
+    /// Point and normal of a hit. `truth` must be the answer for this ray, and a hit whose `t` is finite.
+    fn exact_hit(&self, ray: &Ray<f32>, truth: &Truth) -> ExactHit;
 }
 
 /// A shape that states its formulas once, for both kinds of numbers.
 trait Locate: Shape {
     /// The exact answer. `None` if a sign or a rounding that it needs is in doubt.
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth>;
+
+    /// [`Exact::exact_hit`].
+    fn locate_hit(&self, ray: &Ray<f32>, truth: &Truth) -> ExactHit;
 }
+
+/// Why a hit has a determinant and a polynomial that are not zero.
+const HIT: &str = "the ray hits the shape";
 
 impl<S: Locate> Exact for S {
     fn truth_exact(&self, ray: &Ray<f32>) -> Truth {
@@ -87,6 +100,10 @@ impl<S: Locate> Exact for S {
 
     fn truth_filtered(&self, ray: &Ray<f32>) -> Option<Truth> {
         self.locate::<Bounded>(ray)
+    }
+
+    fn exact_hit(&self, ray: &Ray<f32>, truth: &Truth) -> ExactHit {
+        self.locate_hit(ray, truth)
     }
 }
 

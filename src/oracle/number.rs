@@ -102,6 +102,12 @@ impl<N: Number> Linear<N> {
     pub(super) fn apply_adjugate(&self, vector: &[N; 3]) -> [N; 3] {
         self.adjugate.each_ref().map(|row| dot(row, vector))
     }
+
+    /// |det L| · L⁻ᵀ · `gradient`: a gradient in the world, but for its length.
+    pub(super) fn apply_adjugate_transposed(&self, gradient: &[N; 3]) -> [N; 3] {
+        let [x, y, z] = &self.adjugate;
+        [0, 1, 2].map(|axis| dot(&[x[axis].clone(), y[axis].clone(), z[axis].clone()], gradient))
+    }
 }
 
 /// The ray in the coordinates of a shape: the points `(origin + t·dir) / scale`.

@@ -9,12 +9,17 @@ use core::cmp::Ordering;
 use crate::geom::{Placed, Quadric, Ray};
 
 use super::aabb::{Bound, Segment};
-use super::number::{Line, Number, Root, dot};
-use super::{Locate, Truth, can_hit};
+use super::exact::Dyadic;
+use super::number::{Line, Linear, Number, Root, dot};
+use super::{ExactHit, HIT, Locate, Truth, can_hit};
 
 impl Locate for Quadric {
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
         if can_hit(ray) { truth(self, &Line::<N>::of(ray), ray) } else { Some(Truth::MISS) }
+    }
+
+    fn locate_hit(&self, ray: &Ray<f32>, truth: &Truth) -> ExactHit {
+        hit(self, &Line::of(ray), ray, truth, |gradient| gradient)
     }
 }
 
@@ -26,6 +31,42 @@ impl Locate for Placed<Quadric> {
         let line = Line::<N>::in_object_space(&self.object_to_world, ray)?;
         line.map_or(Some(Truth::MISS), |line| truth(&self.shape, &line, ray))
     }
+
+    fn locate_hit(&self, ray: &Ray<f32>, truth: &Truth) -> ExactHit {
+        let line = Line::in_object_space(&self.object_to_world, ray).flatten().expect(HIT);
+        let linear = Linear::<Dyadic>::of(&self.object_to_world).flatten().expect(HIT);
+        hit(&self.shape, &line, ray, truth, |gradient| linear.apply_adjugate_transposed(&gradient))
+    }
+}
+
+/// The hit at the root that rounds to the true `t`. `to_world` transforms a gradient to the world, and may multiply it
+/// by a positive number.
+fn hit(
+    shape: &Quadric,
+    line: &Line<Dyadic>,
+    ray: &Ray<f32>,
+    truth: &Truth,
+    to_world: impl FnOnce([Dyadic; 3]) -> [Dyadic; 3],
+) -> ExactHit {
+    let polynomial = Polynomial::of(shape, line).flatten().expect(HIT);
+    let mut quotients = polynomial.distinct_roots().iter().map(|&root| polynomial.quotient(root));
+    let quotient = quotients.find(|[num, den]| num.divided_by(den) == Some(truth.t)).expect(HIT);
+    ExactHit::at(ray, quotient, |num, den| {
+        // The point in the coordinates of the quadric, times `weight`.
+        let point = [0, 1, 2].map(|axis| line.origin[axis].times(den).plus(&num.times(&line.dir[axis])));
+        let weight = line.scaled(den.clone());
+        let [squares, products, linear] = Dyadic::vectors([shape.squares, shape.products, shape.linear]);
+        let curved = hessian(&squares, &products, &point);
+        to_world([0, 1, 2].map(|axis| curved[axis].plus(&linear[axis].times(&weight))))
+    })
+}
+
+/// H·`v`. H is the matrix of second derivatives: 2f(p) = p·Hp + 2·linear·p + 2·constant.
+fn hessian<N: Number>(squares: &[N; 3], products: &[N; 3], v: &[N; 3]) -> [N; 3] {
+    [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(i, j, k)| {
+        let square = squares[i].plus(&squares[i]).times(&v[i]);
+        square.plus(&products[k].times(&v[j])).plus(&products[j].times(&v[k]))
+    })
 }
 
 fn truth<N: Number>(shape: &Quadric, line: &Line<N>, ray: &Ray<f32>) -> Option<Truth> {
@@ -76,13 +117,7 @@ impl<N: Number> Polynomial<N> {
         let [squares, products, linear] = N::vectors([shape.squares, shape.products, shape.linear]);
         let constant = N::new(shape.constant);
         let linear = linear.map(|coefficient| line.scaled(coefficient));
-        // H is the matrix of second derivatives: 2f(p) = p·Hp + 2·linear·p + 2·constant.
-        let hessian = |v: &[N; 3]| -> [N; 3] {
-            [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(i, j, k)| {
-                let square = squares[i].plus(&squares[i]).times(&v[i]);
-                square.plus(&products[k].times(&v[j])).plus(&products[j].times(&v[k]))
-            })
-        };
+        let hessian = |v: &[N; 3]| hessian(&squares, &products, v);
         let (o, d) = (&line.origin, &line.dir);
         let curved = hessian(o);
         let gradient = [0, 1, 2].map(|axis| curved[axis].plus(&linear[axis]));
@@ -136,5 +171,16 @@ impl<N: Number> Polynomial<N> {
     fn round(&self, root: Root) -> Option<f32> {
         let Self { a, b, c, discriminant, kind } = self;
         if *kind == Kind::Linear { c.negated().divided_by(&b.plus(b)) } else { N::root(a, b, c, discriminant, root) }
+    }
+}
+
+impl Polynomial<Dyadic> {
+    /// A root as a quotient. The divisor is positive.
+    fn quotient(&self, root: Root) -> [Dyadic; 2] {
+        let Self { a, b, c, discriminant, kind } = self;
+        if *kind == Kind::Linear {
+            return [c.negated(), b.plus(b)];
+        }
+        [Dyadic::root_numerator(a, b, discriminant, root), a.clone()]
     }
 }

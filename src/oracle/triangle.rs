@@ -7,16 +7,20 @@ use core::cmp::Ordering;
 
 use crate::geom::{Placed, Ray, Triangle};
 
+use super::exact::Dyadic;
 use super::number::{Linear, Number, compare, cross, dot, minus};
-use super::{Locate, Truth, can_hit};
+use super::{ExactHit, HIT, Locate, Truth, can_hit};
 
 impl Locate for Triangle {
     fn locate<N: Number>(&self, ray: &Ray<f32>) -> Option<Truth> {
         if !can_hit(ray) || !is_finite(self) {
             return Some(Truth::MISS);
         }
-        let [o, v0, v1, v2] = &N::vectors([ray.origin, self.v0, self.v1, self.v2]);
-        solve(&minus(o, v0), &minus(v1, v0), &minus(v2, v0), ray)
+        solve(&sides::<N>(self, ray), ray)
+    }
+
+    fn locate_hit(&self, ray: &Ray<f32>, _truth: &Truth) -> ExactHit {
+        hit(&sides(self, ray), ray)
     }
 }
 
@@ -30,10 +34,12 @@ impl Locate for Placed<Triangle> {
         let Some(linear) = Linear::<N>::of(transform)? else {
             return Some(Truth::MISS);
         };
-        let [v0, v1, v2] = &N::vectors(self.shape.vertices());
-        let [o, translation] = &N::vectors([ray.origin, transform.translation]);
-        let s = minus(&minus(o, translation), &linear.apply(v0));
-        solve(&s, &linear.apply(&minus(v1, v0)), &linear.apply(&minus(v2, v0)), ray)
+        solve(&placed_sides(self, &linear, ray), ray)
+    }
+
+    fn locate_hit(&self, ray: &Ray<f32>, _truth: &Truth) -> ExactHit {
+        let linear = Linear::<Dyadic>::of(&self.object_to_world).flatten().expect(HIT);
+        hit(&placed_sides(self, &linear, ray), ray)
     }
 }
 
@@ -41,9 +47,29 @@ fn is_finite(triangle: &Triangle) -> bool {
     triangle.vertices().iter().all(|vertex| vertex.is_finite())
 }
 
-/// The answer for the edges `e1` and `e2`, which start at one vertex, and for `s`, which goes from that vertex to the
-/// ray's origin.
-fn solve<N: Number>(s: &[N; 3], e1: &[N; 3], e2: &[N; 3], ray: &Ray<f32>) -> Option<Truth> {
+/// `s`, which goes from a vertex to the ray's origin, and the edges `e1` and `e2`, which start at that vertex.
+fn sides<N: Number>(triangle: &Triangle, ray: &Ray<f32>) -> [[N; 3]; 3] {
+    let [o, v0, v1, v2] = &N::vectors([ray.origin, triangle.v0, triangle.v1, triangle.v2]);
+    [minus(o, v0), minus(v1, v0), minus(v2, v0)]
+}
+
+/// [`sides`] of the triangle in the world.
+fn placed_sides<N: Number>(triangle: &Placed<Triangle>, linear: &Linear<N>, ray: &Ray<f32>) -> [[N; 3]; 3] {
+    let [v0, v1, v2] = &N::vectors(triangle.shape.vertices());
+    let [o, translation] = &N::vectors([ray.origin, triangle.object_to_world.translation]);
+    let s = minus(&minus(o, translation), &linear.apply(v0));
+    [s, linear.apply(&minus(v1, v0)), linear.apply(&minus(v2, v0))]
+}
+
+/// The point in the plane of the triangle, by the normal.
+fn hit([s, e1, e2]: &[[Dyadic; 3]; 3], ray: &Ray<f32>) -> ExactHit {
+    let [d] = &Dyadic::vectors([ray.dir]);
+    let normal = cross(e1, e2);
+    ExactHit::at(ray, [dot(&normal, s).negated(), dot(&normal, d)], |_, _| normal)
+}
+
+/// The answer for [`sides`].
+fn solve<N: Number>([s, e1, e2]: &[[N; 3]; 3], ray: &Ray<f32>) -> Option<Truth> {
     let [d] = &N::vectors([ray.dir]);
     let mut boundary = false;
 

@@ -61,7 +61,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
     let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part] =
-        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [51.0, 48.0, 20.0, 40.0, 29.0, 4.0] };
+        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [51.0, 58.0, 20.0, 40.0, 29.0, 4.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
     let parts = progress.parts(&[
@@ -95,7 +95,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let times = rounds::merge(&times)?;
 
     let mut errors = Errors { survey: Survey::new(options.quick, options.seed), claims: Vec::new() };
-    let shapes = accuracy_part.parts(&[28.0, 3.0, 4.0, 4.5, 2.5, 3.0]);
+    let shapes = accuracy_part.parts(&[32.0, 3.5, 6.0, 6.0, 3.0, 4.5]);
     errors.measure::<Triangle>(&shapes[0]);
     errors.measure::<Aabb>(&shapes[1]);
     errors.measure::<Quadric>(&shapes[2]);

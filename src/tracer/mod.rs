@@ -84,6 +84,8 @@ pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_mesh, load_scene};
 pub use memory::check_memory;
 pub use meshes::{Mesh, MeshError, MeshReport, Part, load_obj, load_ply, load_stl};
+#[cfg(feature = "study")]
+pub(crate) use scene::Leaving;
 pub use scene::{Checker, Disc, Face, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{
     Mode, Traceable, checksum, occluded, occluded_into, read_rays, start_global_pool, thread_pool, trace, trace_into,

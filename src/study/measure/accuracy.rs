@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::hit_errors::references;
 use super::stats::ulps_between;
 use super::tally::{Tally, is_strict, quantile};
 use crate::geom::Hit;
@@ -58,6 +59,7 @@ impl<S: Subject> Kernels<S> {
             &Source {
                 workload: workload.name(),
                 severity: None,
+                seed,
                 counts: if S::MESH && workload == Workload::Edge { Counts::Mesh } else { Counts::Tests },
                 sample: &|index| S::sample(workload, &mut rng(seed, S::FAMILY, workload.name(), &[], index)),
             },
@@ -72,6 +74,7 @@ impl<S: Subject> Kernels<S> {
             &Source {
                 workload: regime.name,
                 severity: Some(severity),
+                seed,
                 counts: regime.counts,
                 sample: &|index| (regime.sample)(step, &mut rng(seed, S::FAMILY, regime.name, &[step], index)),
             },
@@ -88,8 +91,12 @@ impl<S: Subject> Kernels<S> {
                 for index in first..samples.min(first + SAMPLES_PER_TASK) {
                     let sample = (source.sample)(index);
                     let truths = truths(&sample);
+                    let mut rng = rng(source.seed, "leaving", source.workload, &[], index);
+                    let references = references(&sample, &truths, index, &mut rng);
                     for (kernel, tally) in self.0.iter().zip(&mut tallies) {
-                        tally.sample(&sample, &truths, &(kernel.hits)(&sample), source.counts);
+                        let hits = (kernel.hits)(&sample);
+                        tally.sample(&sample, &truths, &hits, source.counts);
+                        tally.hit_errors.sample(&references, &hits, kernel.hits);
                     }
                 }
                 tallies
@@ -178,6 +185,7 @@ fn truths<S: Exact>(sample: &Sample<S>) -> Vec<Truth> {
 struct Source<'a, S> {
     workload: &'a str,
     severity: Option<f64>,
+    seed: u64,
     counts: Counts,
     sample: &'a (dyn Fn(u64) -> Sample<S> + Sync),
 }

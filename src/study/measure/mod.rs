@@ -4,6 +4,7 @@ pub mod accuracy;
 pub(crate) mod built_scene;
 pub mod coherence;
 mod empty_kernel;
+mod hit_errors;
 pub(crate) mod machine;
 pub(crate) mod on_scenes;
 pub(crate) mod operation_rates;

@@ -1,5 +1,6 @@
 //! Counts the errors of one kernel ray by ray, and turns the counts into a row of the record.
 
+use super::hit_errors::HitErrorTally;
 use super::per_ray::PerRay;
 use super::stats::ulps_between;
 use crate::geom::{Hit, Ray};
@@ -31,6 +32,8 @@ pub(super) struct Tally {
     t_ulps: Vec<u32>,
     /// Error of `u` and `v` of every agreed hit.
     uv_errors: Vec<f32>,
+    /// Errors of points and normals, and of rays that leave them.
+    pub(super) hit_errors: HitErrorTally,
 }
 
 impl Tally {
@@ -108,6 +111,7 @@ impl Tally {
         self.per_ray.merge(&other.per_ray);
         self.t_ulps.extend(other.t_ulps);
         self.uv_errors.extend(other.uv_errors);
+        self.hit_errors.merge(other.hit_errors);
     }
 
     pub(super) fn row(mut self, id: &str, workload: &str, severity: Option<f64>) -> AccuracyRow {
@@ -147,12 +151,13 @@ impl Tally {
             gross_per_million: per_million(self.gross, agreed),
             uv_error_p99: uv(0.99),
             uv_error_max: uv(1.0),
+            hit_errors: self.hit_errors.row(),
         }
     }
 }
 
 /// `count` per million of `of`; 0 if `of` is 0.
-fn per_million(count: u64, of: u64) -> f64 {
+pub(super) fn per_million(count: u64, of: u64) -> f64 {
     if of == 0 { 0.0 } else { 1e6 * count as f64 / of as f64 }
 }
 

@@ -156,7 +156,7 @@ mod tests {
             let expected: Vec<_> = group.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
             assert!(names.starts_with(&expected), "{}: {names:?}", group.title);
         }
-        assert!(plain.contains("0 (< 15)"), "a zero must be shown with its bound");
+        assert!(plain.contains("0 (< 18)"), "a zero must be shown with its bound");
         let (tables, verdict) = plain.split_at(plain.find("\n- ").unwrap());
         assert!(tables.lines().all(|line| line.chars().count() <= 110), "{plain}");
         assert!(verdict.contains("- Triangles: woop_dop loses the fewest rays"), "{verdict}");

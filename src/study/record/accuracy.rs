@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::hit_errors::HitErrors;
+
 /// Errors of one kernel on one workload.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -81,6 +83,9 @@ pub struct AccuracyRow {
     pub uv_error_p99: f64,
     /// Absolute error of `u` and `v`, or of a box's exit distance: maximum.
     pub uv_error_max: f64,
+    /// Errors of points and normals, and of rays that leave them.
+    #[serde(flatten)]
+    pub hit_errors: HitErrors,
 }
 
 /// A regime: a workload that gets harder step by step.

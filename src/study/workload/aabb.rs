@@ -5,10 +5,10 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::{
-    Axis, Counts, FailureMap, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at, ray_from,
-    sign, whole,
+    Axis, Counts, FailureMap, Primitive, Regime, Sample, Subject, Workload, direction, grazing_ray, in_cube, ray_at,
+    ray_from, sign, unplaced, whole,
 };
-use crate::geom::{Aabb, Ray};
+use crate::geom::{Aabb, Placed, Ray};
 
 /// Distances of rays to an edge or a corner, relative to the size of the box.
 const GAPS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0];
@@ -148,6 +148,10 @@ impl Subject for Aabb {
             },
         },
     ];
+
+    fn primitive(&self) -> Placed<Primitive> {
+        unplaced(Primitive::Box(*self))
+    }
 
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
         match workload {

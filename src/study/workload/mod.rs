@@ -20,7 +20,7 @@ mod t_junction;
 mod thin;
 mod triangle;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Affine3, Mat3, Vec2, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -28,7 +28,7 @@ pub(super) use self::random::direction;
 use self::random::{frame, in_disc, in_square, sign};
 pub use self::random::{in_cube, rng, whole};
 
-use crate::geom::{Aabb, Ray};
+use crate::geom::{Aabb, Placed, Quadric, Ray, Triangle};
 use crate::oracle::Exact;
 use crate::registry::Registered;
 
@@ -161,6 +161,17 @@ pub struct FailureMap<S> {
     pub sample: fn([f32; 2], &mut Pcg64) -> Sample<S>,
 }
 
+/// A shape of any kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive {
+    /// A box.
+    Box(Aabb),
+    /// A triangle.
+    Triangle(Triangle),
+    /// A quadric.
+    Quadric(Quadric),
+}
+
 /// A shape that workloads exist for.
 pub trait Subject: Exact + Registered {
     /// Whether the shapes of an [`Workload::Edge`] sample form a mesh, where rays can leak.
@@ -175,6 +186,9 @@ pub trait Subject: Exact + Registered {
         Self::FAMILY.into()
     }
 
+    /// The kind of shape, and the transform that places it: the identity if none does.
+    fn primitive(&self) -> Placed<Primitive>;
+
     /// The box that the tracer's box rule holds the shape's hits to. `None` if the rule does not apply to the shape.
     fn own_box(&self) -> Option<Aabb> {
         None
@@ -188,6 +202,11 @@ pub trait Subject: Exact + Registered {
     fn easy(rng: &mut Pcg64) -> Sample<Self> {
         Self::sample(Workload::Generic, rng)
     }
+}
+
+/// A shape that no transform places.
+fn unplaced(shape: Primitive) -> Placed<Primitive> {
+    Placed { shape, object_to_world: Affine3::IDENTITY }
 }
 
 /// A ray through `target`, up to rounding, from 0.5 to 4 units away. Its `t` there is from 0.5 to 8.

@@ -4,7 +4,7 @@ use glam::{Affine3, DMat3, Mat3, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::{Axis, Counts, FailureMap, Regime, Sample, Subject, Workload, direction, frame, in_cube};
+use super::{Axis, Counts, FailureMap, Primitive, Regime, Sample, Subject, Workload, direction, frame, in_cube};
 use crate::geom::{Placed, Ray};
 use crate::oracle::Exact;
 use crate::registry::Registered;
@@ -59,6 +59,10 @@ where
 
     fn title() -> String {
         format!("instance of {}", S::FAMILY)
+    }
+
+    fn primitive(&self) -> Placed<Primitive> {
+        Placed { object_to_world: self.object_to_world, ..self.shape.primitive() }
     }
 
     /// The sample of the inner shape, scaled, sheared, rotated and moved by up to 100 units. The rays move with the

@@ -5,10 +5,10 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::{
-    Axis, Counts, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube, in_disc,
-    ray_from, sign, steep, whole,
+    Axis, Counts, FailureMap, Primitive, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, in_cube,
+    in_disc, ray_from, sign, steep, unplaced, whole,
 };
-use crate::geom::{Aabb, Quadric, Ray};
+use crate::geom::{Aabb, Placed, Quadric, Ray};
 
 /// Radius of the huge sphere. Its square is exact in `f32`, so the coefficients are not rounded.
 const HUGE: f32 = 8192.0;
@@ -189,6 +189,10 @@ impl Subject for Quadric {
             },
         },
     ];
+
+    fn primitive(&self) -> Placed<Primitive> {
+        unplaced(Primitive::Quadric(*self))
+    }
 
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self> {
         match workload {

@@ -15,10 +15,10 @@ use super::silhouette::silhouette;
 use super::t_junction::t_junction;
 use super::thin::{flat, grazed_sliver};
 use super::{
-    Axis, Counts, FailureMap, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame, grazing_ray,
-    in_cube, in_square, ray_at, ray_from, sign, steep, whole,
+    Axis, Counts, FailureMap, Primitive, RAYS_PER_SAMPLE, Regime, Sample, Subject, Workload, direction, frame,
+    grazing_ray, in_cube, in_square, ray_at, ray_from, sign, steep, unplaced, whole,
 };
-use crate::geom::{Aabb, Ray, Triangle};
+use crate::geom::{Aabb, Placed, Ray, Triangle};
 
 /// Distances of rays to an edge, relative to the size of the triangle.
 const GAPS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0];
@@ -247,6 +247,10 @@ impl Subject for Triangle {
             },
         },
     ];
+
+    fn primitive(&self) -> Placed<Primitive> {
+        unplaced(Primitive::Triangle(*self))
+    }
 
     fn own_box(&self) -> Option<Aabb> {
         Some(self.bounds())

@@ -13,6 +13,8 @@ mod world_box;
 
 pub use faces::{Disc, Face};
 pub use filtered::Filtered;
+#[cfg(feature = "study")]
+pub(crate) use spawn::Leaving;
 pub use surface::SurfacePoint;
 pub(crate) use traverse::{Scratch, Visible};
 pub use two_level::Scene;

@@ -151,7 +151,10 @@ impl Footing {
 }
 
 /// The surface that rays leave, in its own coordinates.
-pub(super) enum Leaving {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Leaving {
+    /// All of a triangle.
     Triangle(Triangle),
+    /// The part of a quadric in its clip box.
     Quadric(Quadric),
 }

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
 
-use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+use glam::{Affine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 use super::spawn::{Footing, Leaving};
 use super::two_level::Scene;
@@ -67,45 +67,33 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// # Panics
     /// If the hit is a miss, or if this scene has no such instance or triangle.
     pub fn surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> SurfacePoint {
-        let surface = self.exact_surface(ray, hit);
-        let ExactSurface { point, normal, in_object } = surface;
         let placement = &self.world().instances()[hit.instance as usize];
-        let mut shading_normal = normal;
-        let (uv, own_color, leaving) = match &self.world().geometries()[placement.geometry as usize] {
-            Geometry::Mesh(mesh) => {
-                let primitive = self.primitive_of_mesh(hit);
-                if let Some(normals) = mesh.normals(primitive) {
-                    let linear = placement.object_to_world.matrix3.as_dmat3();
-                    let world = normalized(cofactors(linear) * interpolated(hit, normals.map(Vec3::as_dvec3)));
-                    let side = world.dot(normal);
-                    if side != 0.0 {
-                        shading_normal = world * side.signum();
-                    }
+        let shape = self.shape_of(hit);
+        let exact = ExactSurface::of(&shape, &placement.object_to_world, ray, hit);
+        let mut surface = SurfacePoint::of(&exact, &shape, &placement.object_to_world, ray, hit);
+        if let Geometry::Mesh(mesh) = &self.world().geometries()[placement.geometry as usize] {
+            let primitive = self.primitive_of_mesh(hit);
+            if let Some(normals) = mesh.normals(primitive) {
+                let linear = placement.object_to_world.matrix3.as_dmat3();
+                let world = normalized(cofactors(linear) * interpolated(hit, normals.map(Vec3::as_dvec3)));
+                let side = world.dot(exact.normal);
+                if side != 0.0 {
+                    surface.shading_normal = (world * side.signum()).as_vec3();
                 }
-                let uv = mesh.texture_coordinates(primitive).map_or(Vec2::new(hit.u, hit.v), |corners| {
-                    interpolated(hit, corners.map(Vec2::as_dvec2)).as_vec2()
-                });
-                (uv, mesh.color(primitive), Leaving::Triangle(mesh.triangle(primitive)))
             }
-            faces => {
-                let quadric = self.quadric_of(faces, hit);
-                (quadric_uv(&quadric, in_object), Vec3::ONE, Leaving::Quadric(quadric))
+            if let Some(corners) = mesh.texture_coordinates(primitive) {
+                surface.uv = interpolated(hit, corners.map(Vec2::as_dvec2)).as_vec2();
             }
-        };
-        let color = match &placement.paint {
-            Paint::Own => own_color,
-            Paint::Plain(color) => *color,
-            Paint::Checker(checker) => checker.at(uv),
-        };
-        SurfacePoint {
-            point: point.as_vec3(),
-            normal: normal.as_vec3(),
-            shading_normal: shading_normal.as_vec3(),
-            uv,
-            color,
-            front: comes_from_front(normal, ray),
-            footing: Footing::of(&surface, ray, hit.t, &leaving, &placement.object_to_world),
+            surface.color = mesh.color(primitive);
+        } else if let Leaving::Quadric(quadric) = &shape {
+            surface.uv = quadric_uv(quadric, exact.in_object);
         }
+        match &placement.paint {
+            Paint::Own => {}
+            Paint::Plain(color) => surface.color = *color,
+            Paint::Checker(checker) => surface.color = checker.at(surface.uv),
+        }
+        surface
     }
 
     /// Whether the ray of a hit came from the front side; see [`SurfacePoint::front`]. It costs less than the surface.
@@ -113,31 +101,8 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     /// # Panics
     /// Like [`Scene::surface`].
     pub fn is_front(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> bool {
-        comes_from_front(self.exact_surface(ray, hit).normal, ray)
-    }
-
-    /// Point and normal at a hit, before rounding.
-    pub(super) fn exact_surface(&self, ray: &Ray<f32>, hit: &Hit<f32>) -> ExactSurface {
-        let placement = &self.world().instances()[hit.instance as usize];
-        let (linear, translation) =
-            (placement.object_to_world.matrix3.as_dmat3(), placement.object_to_world.translation.as_dvec3());
-        let (point, normal, in_object) = match &self.world().geometries()[placement.geometry as usize] {
-            Geometry::Mesh(mesh) => {
-                let [v0, v1, v2] = mesh.triangle(self.primitive_of_mesh(hit)).vertices().map(Vec3::as_dvec3);
-                let (e1, e2) = (v1 - v0, v2 - v0);
-                let in_object = v0 + e1 * f64::from(hit.u) + e2 * f64::from(hit.v);
-                (linear * in_object + translation, (linear * e1).cross(linear * e2), in_object)
-            }
-            faces => {
-                let quadric = self.quadric_of(faces, hit);
-                let (origin, along) = (ray.origin.as_dvec3(), ray.dir.as_dvec3() * f64::from(hit.t));
-                // The translation is subtracted first, as for the ray. So a position far from the world's origin costs
-                // no accuracy.
-                let in_object = linear.inverse() * ((origin - translation) + along);
-                (origin + along, cofactors(linear) * gradient(&quadric, in_object), in_object)
-            }
-        };
-        ExactSurface { point, normal: normalized(normal), in_object }
+        let object_to_world = &self.world().instances()[hit.instance as usize].object_to_world;
+        comes_from_front(ExactSurface::of(&self.shape_of(hit), object_to_world, ray, hit).normal, ray)
     }
 
     /// The number of the triangle that was hit, in its mesh; or of the face, in its geometry.
@@ -145,9 +110,60 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         hit.primitive - self.first_primitive(hit.instance)
     }
 
-    /// The face that was hit, as a quadric.
-    fn quadric_of(&self, faces: &Geometry, hit: &Hit<f32>) -> Quadric {
-        faces.quadric(self.primitive_of_mesh(hit)).expect("a mesh has no faces")
+    /// The triangle that was hit, or the face, in the coordinates of its geometry.
+    fn shape_of(&self, hit: &Hit<f32>) -> Leaving {
+        let placement = &self.world().instances()[hit.instance as usize];
+        let primitive = self.primitive_of_mesh(hit);
+        match &self.world().geometries()[placement.geometry as usize] {
+            Geometry::Mesh(mesh) => Leaving::Triangle(mesh.triangle(primitive)),
+            faces => Leaving::Quadric(faces.quadric(primitive).expect("a mesh has no faces")),
+        }
+    }
+}
+
+impl SurfacePoint {
+    /// That of one shape, whose colour is white, whose normal is used for shading, and whose surface parameters are
+    /// those of the hit.
+    #[cfg(feature = "study")]
+    pub(crate) fn of_shape(shape: &Leaving, object_to_world: &Affine3, ray: &Ray<f32>, hit: &Hit<f32>) -> Self {
+        Self::of(&ExactSurface::of(shape, object_to_world, ray, hit), shape, object_to_world, ray, hit)
+    }
+
+    /// [`SurfacePoint::of_shape`], where point and normal are known.
+    fn of(exact: &ExactSurface, shape: &Leaving, object_to_world: &Affine3, ray: &Ray<f32>, hit: &Hit<f32>) -> Self {
+        let normal = exact.normal.as_vec3();
+        Self {
+            point: exact.point.as_vec3(),
+            normal,
+            shading_normal: normal,
+            uv: Vec2::new(hit.u, hit.v),
+            color: Vec3::ONE,
+            front: comes_from_front(exact.normal, ray),
+            footing: Footing::of(exact, ray, hit.t, shape, object_to_world),
+        }
+    }
+}
+
+impl ExactSurface {
+    /// That of one shape.
+    fn of(shape: &Leaving, object_to_world: &Affine3, ray: &Ray<f32>, hit: &Hit<f32>) -> Self {
+        let (linear, translation) = (object_to_world.matrix3.as_dmat3(), object_to_world.translation.as_dvec3());
+        let (point, normal, in_object) = match shape {
+            Leaving::Triangle(triangle) => {
+                let [v0, v1, v2] = triangle.vertices().map(Vec3::as_dvec3);
+                let (e1, e2) = (v1 - v0, v2 - v0);
+                let in_object = v0 + e1 * f64::from(hit.u) + e2 * f64::from(hit.v);
+                (linear * in_object + translation, (linear * e1).cross(linear * e2), in_object)
+            }
+            Leaving::Quadric(quadric) => {
+                let (origin, along) = (ray.origin.as_dvec3(), ray.dir.as_dvec3() * f64::from(hit.t));
+                // The translation is subtracted first, as for the ray. So a position far from the world's origin costs
+                // no accuracy.
+                let in_object = linear.inverse() * ((origin - translation) + along);
+                (origin + along, cofactors(linear) * gradient(quadric, in_object), in_object)
+            }
+        };
+        Self { point, normal: normalized(normal), in_object }
     }
 }
 

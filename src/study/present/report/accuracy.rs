@@ -22,7 +22,16 @@ edge or a vertex. For a quadric, it is a tangent point, a plane of its clip box 
 - *ulp*: error of `t` where oracle and kernel both report a hit: its distance from the correctly rounded value, in \
 representable numbers. Compare the 99th percentiles; the maximum is noise.
 - *gross*: hits reported by both whose `t` is off by more than 1 %.
-- *u, v*: absolute error of the surface parameters. For a box, of the exit distance.";
+- *u, v*: absolute error of the surface parameters. For a box, of the exit distance.
+- *point*: distance of the hit point, computed in `f32`, from the exact one, in sizes of the primitive: 99th \
+percentile. Once from `origin + t·dir`, once from the barycentrics. The size is the longest edge or side.
+- *height*: how far these points are off the exact surface, in the same unit.
+- *normal*: angle between the tracer's normal for the hit and the exact normal: 99th percentile.
+- *backward*: error of `t`, divided by the error that rounding the input to `f32` can cause: 99th percentile. A stable \
+method stays below about 10, however hard the input.
+- *hits itself*: rays that leave the hit and are reported to hit the same primitive again, in percent. They start \
+where the tracer puts them (*offset*), or at `origin + t·dir` with a `t_min` of 1e-4 of the largest coordinate, of \
+1e-4 of the length of the ray, or of 0.";
 
 /// The names of the workloads without severities, in the order of the record.
 pub(super) fn workloads(record: &Record) -> Vec<&str> {
@@ -68,6 +77,43 @@ pub(super) fn errors(rows: &[(&KernelFigures, &AccuracyRow)]) -> String {
             rate(row.gross_per_million, row.agreed_hits),
             Cell::from(number(row.uv_error_p99, 2)),
             Cell::from(number(row.uv_error_max, 2)),
+        ]
+    }));
+    grid.markdown()
+}
+
+/// Errors of points, normals and leaving rays.
+pub(super) fn hits(rows: &[(&KernelFigures, &AccuracyRow)]) -> String {
+    let header = [
+        "kernel",
+        "point, t",
+        "point, u v",
+        "height, t",
+        "height, u v",
+        "normal, rad",
+        "backward",
+        "hits itself: offset, %",
+        "1e-4 scene, %",
+        "1e-4 t, %",
+        "no epsilon, %",
+    ];
+    let mut grid = Grid::new(1, header);
+    grid.rows.extend(rows.iter().map(|(kernel, row)| {
+        let errors = &row.hit_errors;
+        let figure = |figure: Option<f64>| Cell::from(figure.map_or(MISSING.to_owned(), |figure| number(figure, 2)));
+        let percent = |rate: f64| figure(Rate::new(rate, errors.leaving_rays).map(|rate| rate.per_million() / 1e4));
+        vec![
+            code(&kernel.method.id),
+            figure(errors.ray_point_size_p99),
+            figure(errors.uv_point_size_p99),
+            figure(errors.ray_height_size_p99),
+            figure(errors.uv_height_size_p99),
+            figure(errors.normal_error_p99),
+            figure(errors.t_backward_p99),
+            percent(errors.own_hit_offset_per_million),
+            percent(errors.own_hit_scene_epsilon_per_million),
+            percent(errors.own_hit_t_epsilon_per_million),
+            percent(errors.own_hit_no_epsilon_per_million),
         ]
     }));
     grid.markdown()

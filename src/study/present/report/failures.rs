@@ -1,5 +1,6 @@
 //! The sections on errors: regimes step by step, failure maps, claims, and kernels that this build does not contain.
 
+use super::accuracy;
 use super::cells::code;
 use crate::study::figures::failures::{FAILING_RATE, FAILING_ULP, Metric, Verdict, verdict};
 use crate::study::figures::{Group, KernelFigures, MISSING, count, number, severity};
@@ -57,7 +58,7 @@ pub(super) fn transforms_and_quadrics(record: &Record, groups: &[Group]) -> Vec<
     parts
 }
 
-/// A chart and tables for each of these regimes.
+/// A chart and tables for each of these regimes: one for each metric, and one about hits at the last step.
 fn regimes(record: &Record, groups: &[Group], shown: impl Fn(&RegimeRow) -> bool) -> Vec<String> {
     let mut parts = Vec::new();
     for regime in record.regimes.iter().filter(|regime| shown(regime)) {
@@ -67,6 +68,11 @@ fn regimes(record: &Record, groups: &[Group], shown: impl Fn(&RegimeRow) -> bool
         for &metric in Metric::of(regime) {
             parts.push(format!("{}, by {}:", capitalized(metric.title()), regime.axis));
             parts.push(steps(&kernels, regime, metric));
+        }
+        if let Some(&hardest) = regime.steps.last() {
+            let rows = kernels.iter().filter_map(|kernel| Some((*kernel, kernel.at_step(&regime.name, hardest)?)));
+            parts.push(format!("Points, normals and leaving rays at the last step, {}:", severity(hardest)));
+            parts.push(accuracy::hits(&rows.collect::<Vec<_>>()));
         }
     }
     parts
@@ -226,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn every_regime_has_a_chart_and_a_table_for_each_metric() {
+    fn every_regime_has_a_chart_and_a_table_for_each_metric_and_for_hits() {
         let record = record_of(&all_ids());
         let groups = groups(&record);
         let text = [stability(&record, &groups), transforms_and_quadrics(&record, &groups)].concat().join("\n\n");
@@ -236,7 +242,7 @@ mod tests {
             let group = groups.iter().find(|group| group.title == regime.family).unwrap();
             for kernel in &group.kernels {
                 let rows = section.matches(&format!("\n| `{}` |", kernel.method.id)).count();
-                assert_eq!(rows, Metric::of(regime).len(), "{} {}", regime.name, kernel.method.id);
+                assert_eq!(rows, Metric::of(regime).len() + 1, "{} {}", regime.name, kernel.method.id);
             }
         }
         assert!(text.contains("| 0 (< 150) |"), "a zero in 20,000 rays must be shown with its bound");

@@ -57,7 +57,7 @@ pub(crate) fn appendix_markdown(record: &Record) -> String {
         let kernels = || groups.iter().flat_map(|group| &group.kernels);
         let rows: Vec<_> = kernels().filter_map(|kernel| Some((kernel, kernel.accuracy(workload)?))).collect();
         parts.push(format!("### Workload `{workload}`"));
-        parts.extend([accuracy::wrong_answers(&rows), accuracy::errors(&rows)]);
+        parts.extend([accuracy::wrong_answers(&rows), accuracy::errors(&rows), accuracy::hits(&rows)]);
     }
     parts.extend(tracer::throughput(record));
     parts.extend(tracer::coherence(record));
@@ -112,10 +112,10 @@ mod tests {
             let mut with_kernel =
                 groups.iter().filter(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let group = with_kernel.next().expect("every kernel has a group");
-            // Tables of kernels, packets, claims and checksums, two tables for each of two workloads, one table for each
-            // metric of a regime, and for kernels of a shape the figures of the first page.
+            // Tables of kernels, packets, claims and checksums, three tables for each of two workloads, for each regime one
+            // for each metric and one of hits, and for kernels of a shape the figures of the first page.
             let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
-            let tables = 8 + regimes.map(|regime| Metric::of(regime).len()).sum::<usize>();
+            let tables = 10 + regimes.map(|regime| Metric::of(regime).len() + 1).sum::<usize>();
             let scenes = record.on_scenes.iter().filter(|row| row.kernel == kernel.id && row.rays == "primary").count();
             let rows = |text: &str| {
                 let row = |line: &&str| line.starts_with(&format!("| `{}` |", kernel.id));
