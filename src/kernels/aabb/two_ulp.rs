@@ -16,7 +16,8 @@
 //!
 //! **Seen:** of 3.0e8 rays that cut off an edge ahead, within an ulp, it loses 2 (`aabb/padded` none,
 //! `aabb/sign_selected` 1.97e7). Of 1.5e7 behind the origin, it loses 1.16e7 (none, 9.8e5). From 1e5 sizes away, 9,414
-//! in a million of the rays beside the box hit (`aabb/padded`: 17,257). In the other regimes both have the same rates.
+//! in a million of the rays that miss are hits (`aabb/padded`: 17,257). In all other regimes these rates differ by at
+//! most 4 %.
 //!
 //! **Operations:** 6 subtractions, 6 multiplications and 1 for the padding, 8 minima, maxima and comparisons. Setup:
 //! 3 divisions.
