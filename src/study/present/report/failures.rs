@@ -245,7 +245,7 @@ mod tests {
                 assert_eq!(rows, Metric::of(regime).len() + 1, "{} {}", regime.name, kernel.method.id);
             }
         }
-        assert!(text.contains("| 0 (< 150) |"), "a zero in 20,000 rays must be shown with its bound");
+        assert!(text.contains("| 0 (< 180) |"), "a zero in 20,000 rays must be shown with its bound");
     }
 
     #[test]
