@@ -215,9 +215,8 @@ enum Shape {
     Face(Face),
 }
 
-fn truth<S: crate::geom::Shape>(shape: S, object_to_world: &Affine3, ray: &Ray<f32>) -> Truth
+fn truth<S: Exact>(shape: S, object_to_world: &Affine3, ray: &Ray<f32>) -> Truth
 where
-    S: Exact,
     Placed<S>: Exact,
 {
     if *object_to_world == Affine3::IDENTITY {
