@@ -198,7 +198,7 @@ pub trait Subject: Exact + Registered {
     fn sample(workload: Workload, rng: &mut Pcg64) -> Sample<Self>;
 
     /// One shape of about unit size, and rays into it or past it from a few units away. None is hard for any kernel. If
-    /// the shape is then [`Placed`](crate::geom::Placed), an error is due to the transform.
+    /// the shape is then [`Placed`], an error is due to the transform.
     fn easy(rng: &mut Pcg64) -> Sample<Self> {
         Self::sample(Workload::Generic, rng)
     }
