@@ -36,7 +36,10 @@ fn files(record: &Record) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![("results.json".to_owned(), one_row_per_line(record).expect("a record is plain data"))];
     let (report, charts) = (report_markdown(record), charts(record));
     let page = report_html(&report, &charts);
-    files.extend(charts.into_iter().map(|chart| (chart.file, chart.svg.into_bytes())));
+    files.extend(charts.into_iter().map(|chart| {
+        let content = chart.file_content();
+        (chart.file, content.into_bytes())
+    }));
     // The reports come last: they refer to the charts.
     files.extend([("report.md".to_owned(), report.into_bytes()), ("report.html".to_owned(), page.into_bytes())]);
     files
