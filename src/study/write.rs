@@ -40,7 +40,10 @@ fn files(record: &Record) -> Vec<(String, Vec<u8>)> {
         let page = report_html(&text, &charts);
         [(format!("{name}.md"), text.into_bytes()), (format!("{name}.html"), page.into_bytes())]
     });
-    files.extend(charts.into_iter().map(|chart| (chart.file, chart.svg.into_bytes())));
+    files.extend(charts.into_iter().map(|chart| {
+        let content = chart.file_content();
+        (chart.file, content.into_bytes())
+    }));
     // The reports come last: they refer to the charts.
     files.extend(pages.into_iter().flatten());
     files

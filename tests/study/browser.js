@@ -36,8 +36,9 @@ addEventListener("load", () => {
     const all = [...document.querySelectorAll(".hover > *")];
     const says = (what) => all.find((mark) => what.test(mark.dataset.title ?? mark.textContent));
     for (const what of [
-      /^triangle\/\w+, packet of 8 rays: [\d,.]+ ± [\d,.]+ M tests\/s, error of t [\d,.]+ ulp, leaks /m,
-      /^quadric\/\w+, 1 ray: [\d,.]+ ± [\d,.]+ M tests\/s/m,
+      /^triangle\/\w+, 8x1: [\d,.]+ ± [\d,.]+ M tests\/s$/m,
+      /^triangle\/\w+, leaks [\d,.]+( \(< [\d.,]+\))? per million, n = \d/m,
+      /^quadric\/\w+, 1x1: [\d,.]+ ± [\d,.]+ M tests\/s$/m,
       /^aabb\/\w+.*, scalar and packet, at 1e-\d: lost [\d,.]+( \(< [\d.,]+\))? per million, n = \d/m,
       /^(\w+, )*packet, (\w+, )*jitter 0.1: [\d,.]+ M rays\/s$/m,
     ]) {
@@ -45,7 +46,8 @@ addEventListener("load", () => {
       expect(mark && what.test(pointAt(mark, 0.5)), `no tip ${what}`);
       const others = [...(mark?.ownerSVGElement.querySelectorAll("svg > g[data-of]") ?? [])];
       const meant = mark?.dataset.of.split(" ");
-      const isRight = (group) => (getComputedStyle(group).opacity < 1) !== meant.includes(group.dataset.of);
+      const isMeant = (group) => group.dataset.of.split(" ").some((of) => meant.includes(of));
+      const isRight = (group) => (getComputedStyle(group).opacity < 1) !== isMeant(group);
       expect(others.length && others.every(isRight), "other series are not dimmed, or the same one is");
     }
     const map = says(/^triangle\/\w+, scalar and packet, number of cells by error of t: .+: \d+/);

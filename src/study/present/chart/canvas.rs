@@ -6,7 +6,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::layout::{FAINT, INK, LINE, MARGIN, PROPORTIONAL, Pixel, TEXT, TITLE};
+use super::layout::{LINE, MARGIN, PROPORTIONAL, Pixel, TEXT, TITLE};
+use super::palette::{FAINT, INK, PAGE};
 use super::svg::{FONT_SCALE, Svg};
 use crate::study::record::Record;
 
@@ -18,8 +19,8 @@ pub(super) type Drawn = Drawing<()>;
 pub(super) fn canvas((width, height): Pixel, draw: impl FnOnce(&Area) -> Drawn) -> String {
     let mut svg = String::new();
     let root = Svg::new(&mut svg, (width as u32, height as u32)).into_drawing_area();
-    // The page may be white or dark, so a chart has its own background.
-    let drawn = root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present());
+    // A page may be dark although its reader prefers light pages, so a chart has its own background.
+    let drawn = root.fill(&PAGE).and_then(|()| draw(&root)).and_then(|()| root.present());
     drawn.expect("writing to a string cannot fail");
     drop(root);
     svg
@@ -61,7 +62,9 @@ pub(super) fn wrapped(text: &str, width: i32, size: f64) -> Vec<String> {
 /// The machine and the compiler of the record, for the header.
 pub(super) fn machine(record: &Record) -> String {
     let quick = if record.quick { ", quick run: fewer rays and samples" } else { "" };
-    format!("{}, {}{quick}", record.machine.cpu, record.machine.rustc)
+    // The version of the compiler without its commit.
+    let rustc = record.machine.rustc.split(" (").next().unwrap_or_default();
+    format!("{}, {rustc}{quick}", record.machine.cpu)
 }
 
 /// The style of text that starts at a point and is vertically centred on it.
@@ -74,8 +77,8 @@ pub(super) fn heading(size: f64) -> TextStyle<'static> {
 }
 
 /// The style of kernel names.
-pub(super) fn name(bold: bool) -> TextStyle<'static> {
-    styled(FontFamily::Monospace, if bold { FontStyle::Bold } else { FontStyle::Normal }, TEXT, INK)
+pub(super) fn name(bold: bool, color: RGBColor) -> TextStyle<'static> {
+    styled(FontFamily::Monospace, if bold { FontStyle::Bold } else { FontStyle::Normal }, TEXT, color)
 }
 
 fn styled(family: FontFamily<'static>, style: FontStyle, size: f64, color: RGBColor) -> TextStyle<'static> {

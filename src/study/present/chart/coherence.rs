@@ -2,15 +2,17 @@
 
 use super::axis::LogAxis;
 use super::canvas::{canvas, header, header_height, heading, machine};
-use super::layout::MARGIN;
-use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
+use super::layout::{LINE, MARGIN, TEXT, WIDTH};
+use super::look::Look;
+use super::panel::{Mark, Panel, Series, Stack, XAxis};
 use crate::study::figures::tracer::{Coherence, modes};
 use crate::study::figures::{number, severity};
 use crate::study::record::{CoherenceRow, Record};
 
-const TITLE: &str = "Coherence: every mode as the rays become less coherent";
-const SCENE_TITLE: i32 = 30;
-const MARK: i32 = 5;
+const TITLE: &str = "Modes as rays become less coherent";
+const MODES: &str = "A mode is how rays pass through the tree: scalar and single trace one ray, scalar with scalar \
+                     code and single with eight lanes; packet traces eight rays together; auto chooses.";
+const SCENE_TITLE: i32 = 26;
 
 /// The figure of a row that a panel shows.
 type Figure = fn(&CoherenceRow) -> Option<f64>;
@@ -18,43 +20,48 @@ type Figure = fn(&CoherenceRow) -> Option<f64>;
 /// Draws a stack of panels for each scene, against the jitter.
 pub(super) fn svg(record: &Record) -> String {
     let all = Coherence::all(record);
-    let panels: Vec<_> = all.iter().map(panels).collect();
-    let (plot, width) = widths(panels.iter().flatten());
-    let remarks = [machine(record) + ", one thread, closest hit"];
+    let stack = |coherence| Stack { panels: panels(coherence), x: axis(coherence) };
+    let stacks: Vec<_> = all.iter().map(stack).collect();
+    let width = stacks.iter().map(Stack::width).max().unwrap_or(WIDTH);
+    let remarks = [MODES.into(), machine(record) + ", one thread, closest hit"];
     let head = header_height(width, TITLE, &remarks);
-    let height = head + panels.iter().map(|panels| SCENE_TITLE + stack_height(panels)).sum::<i32>() + MARGIN;
+    let height = head + stacks.iter().map(|stack| SCENE_TITLE + stack.height(width)).sum::<i32>() + MARGIN;
     canvas((width, height), |root| {
         let mut top = header(root, width, TITLE, &remarks)?;
-        for (coherence, panels) in all.iter().zip(&panels) {
-            root.draw_text(coherence.scene, &heading(15.0), (MARGIN, top + SCENE_TITLE / 2))?;
+        for (coherence, stack) in all.iter().zip(&stacks) {
+            root.draw_text(coherence.scene, &heading(TEXT), (MARGIN, top + LINE / 2))?;
             top += SCENE_TITLE;
-            let x = XAxis {
-                axis: LogAxis::through(&coherence.jitters),
-                title: "jitter: 0 for the rays of a picture, 1 for random rays".into(),
-                tick: &severity,
-            };
-            draw_stack(root, panels, &x, top, plot)?;
-            top += stack_height(panels);
+            stack.draw(root, top, width)?;
+            top += stack.height(width);
         }
         Ok(())
     })
 }
 
+fn axis(coherence: &Coherence) -> XAxis {
+    XAxis {
+        axis: LogAxis::through(&coherence.jitters),
+        title: "jitter: each direction is turned at random; 0 for the rays of a picture, 1 for random rays".into(),
+        tick: severity,
+    }
+}
+
 /// The panels of a scene: speed, and each count that has any values.
 fn panels(coherence: &Coherence) -> Vec<Panel<'static>> {
     let panel = |(title, unit, figure): (&str, &str, Figure)| {
-        let series = modes().map(|mode| Series { id: mode, name: mode, marks: marks(coherence, mode, figure, unit) });
-        Panel {
-            title: title.into(),
-            possible: 0.0..=f64::INFINITY,
-            threshold: None,
-            frontier: false,
-            series: series.into(),
-        }
+        let mut number = 0..;
+        let series = modes().map(|mode| Series {
+            id: mode,
+            name: mode,
+            look: Look::of_category(number.next().unwrap_or(0)),
+            emphasised: true,
+            marks: marks(coherence, mode, figure, unit),
+        });
+        Panel { title: title.into(), possible: 0.0..=f64::INFINITY, threshold: None, series: series.into() }
     };
     let figures: [(&str, &str, Figure); 4] = [
         ("million rays per second", "M rays/s", |row| Some(row.mrays_per_second)),
-        ("lane utilisation: share of the lanes of triangle tests that are used (%)", "% of the lanes used", |row| {
+        ("lane utilisation: lanes of triangle tests in use, %", "% of the lanes used", |row| {
             row.lane_utilisation().map(|share| 100.0 * share)
         }),
         ("nodes visited per ray", "nodes per ray", CoherenceRow::nodes_per_ray),
@@ -67,7 +74,7 @@ fn marks(coherence: &Coherence, mode: &str, figure: Figure, unit: &str) -> Vec<M
     let mark = |(step, &x): (usize, &f64)| {
         let value = figure(coherence.row(x, mode)?).filter(|&value| value > 0.0 && value.is_finite())?;
         let tooltip = format!("jitter {}: {} {unit}", severity(x), number(value, 3));
-        Some(Mark { step, x, spread: None, value, bound: false, size: MARK, tooltip })
+        Some(Mark { step, x, value, bound: None, tooltip })
     };
     coherence.jitters.iter().enumerate().filter_map(mark).collect()
 }

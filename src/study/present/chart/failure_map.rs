@@ -7,39 +7,27 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::axis::LogAxis;
 use super::canvas::{Area, Drawn, canvas, centered, header, header_height, heading, label, machine, name};
 use super::hover::{Hover, Shape};
-use super::layout::{ADVANCE, FAINT, INK, LINE, MARGIN, Pixel, TEXT, WIDTH};
+use super::layout::{LINE, MARGIN, Pixel, TEXT, name_width};
+use super::palette::{BAD, FAINT, INK, PAGE, STEPS, UNKNOWN};
 use crate::study::figures::{Group, count, severity};
 use crate::study::record::{MapCells, MapRow, Record};
 
-/// The classes of cells: the largest error in ulp, and the colour. [`WORSE`] is the colour of larger errors. The scale
-/// is Cynthia Brewer's `YlGnBu`: it runs from light to dark, so lightness alone tells the classes apart.
-const CLASSES: [(u64, RGBColor); 6] = [
-    (1, RGBColor(255, 255, 204)),
-    (10, RGBColor(199, 233, 180)),
-    (100, RGBColor(127, 205, 187)),
-    (1_000, RGBColor(65, 182, 196)),
-    (10_000, RGBColor(29, 145, 192)),
-    (100_000, RGBColor(34, 94, 168)),
-];
-const WORSE: RGBColor = RGBColor(8, 29, 88);
-/// The colour of cells where more than 1 % of the rays miss. It is not on the scale, and these cells are striped too.
-const MISSED: RGBColor = RGBColor(222, 70, 30);
-/// The colour of cells where too few rays hit.
-const UNKNOWN: RGBColor = RGBColor(216, 216, 216);
+/// The largest error in ulp of each class of cells. The last of [`STEPS`] is the colour of larger errors.
+const CLASSES: [u64; 6] = [1, 10, 100, 1_000, 10_000, 100_000];
 /// Number of rays that a 99th percentile needs at least.
 const LEAST: u64 = 100;
 
-const TITLE: &str = "error of t over two severities";
+/// Minimum width of the chart. Three images of the common names fit side by side.
+const WIDTH: i32 = 620;
 /// Minimum width of an image (approximately), and maximum width and height.
 const MIN_IMAGE: i32 = 130;
 const MAX_IMAGE: i32 = 200;
-const LEFT: i32 = 84;
+const LEFT: i32 = 54;
 const GAP: i32 = 14;
 const NAME: i32 = 20;
-const TICKS: i32 = 22;
-const MAP_TITLE: i32 = 30;
-const AXIS_TITLE: i32 = 20;
-const LEGEND_HEIGHT: i32 = 56;
+const TICKS: i32 = 26;
+const MAP_TITLE: i32 = 32;
+const LEGEND_HEIGHT: i32 = 52;
 
 /// Number of classes: [`CLASSES`], then larger errors, misses, and too few hits.
 const KINDS: usize = CLASSES.len() + 3;
@@ -49,36 +37,34 @@ fn class(hits: u64, t_ulp_p99: Option<u64>) -> usize {
     match t_ulp_p99 {
         _ if hits < LEAST => CLASSES.len() + 2,
         None => CLASSES.len() + 1,
-        Some(ulp) => CLASSES.iter().position(|&(most, _)| ulp <= most).unwrap_or(CLASSES.len()),
+        Some(ulp) => CLASSES.iter().position(|&most| ulp <= most).unwrap_or(CLASSES.len()),
     }
 }
 
+/// The colour of a class. Cells where more than 1 % of the rays miss are a failure, and striped too.
 fn color(class: usize) -> RGBColor {
-    CLASSES.get(class).map_or_else(|| [WORSE, MISSED, UNKNOWN][class - CLASSES.len()], |&(_, color)| color)
+    STEPS.get(class).copied().unwrap_or_else(|| [BAD, UNKNOWN][class - STEPS.len()])
 }
 
 /// The meaning of a class in words.
 fn meaning(class: usize) -> String {
     match CLASSES.get(class) {
-        Some(&(most, _)) if class == 0 => format!("0 to {most} ulp"),
-        Some(&(most, _)) => format!("up to {}", count(most)),
+        Some(&most) if class == 0 => format!("0 to {most} ulp"),
+        Some(&most) => format!("up to {}", count(most)),
         None => ["more", "> 1 % missed", "few hits"][class - CLASSES.len()].into(),
     }
 }
 
 /// Draws the maps of a group.
 pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
-    let longest = group.kernels.iter().map(|kernel| kernel.name.chars().count()).max().unwrap_or(0);
-    let pitch = (longest as f64 * ADVANCE).ceil() as i32 + GAP;
+    let pitch = group.kernels.iter().map(|kernel| name_width(&kernel.name)).max().unwrap_or(0) + GAP;
     let layouts: Vec<Layout> = maps.iter().map(|map| Layout::new(map, group.kernels.len() as i32, pitch)).collect();
     let width = layouts.iter().map(Layout::width).max().unwrap_or(0).max(WIDTH);
-    let title = format!("{}: {TITLE}", group.subject);
-    let remarks = [
-        "Colour: 99th percentile of the error of t, in units in the last place (ulp). Light: small, dark: large, \
-         striped: more than 1 % of the rays miss. All rays exactly hit, strictly inside."
-            .to_owned(),
-        machine(record),
-    ];
+    let title = format!("{}: failure map", group.title);
+    let subject = (group.subject != group.title).then(|| format!("All are {}.", group.subject));
+    let about = "Error of t over two severities: 99th percentile, in units in the last place (ulp). All rays exactly \
+                 hit, strictly inside.";
+    let remarks: Vec<_> = [about.to_owned()].into_iter().chain(subject).chain([machine(record)]).collect();
     let height = header_height(width, &title, &remarks) + LEGEND_HEIGHT;
     let height = height + layouts.iter().map(Layout::height).sum::<i32>() + MARGIN;
     canvas((width, height), |root| {
@@ -93,15 +79,26 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
     })
 }
 
+/// Draws the scale with the limits of its classes, and the two classes beside it.
 fn legend(root: &Area, top: i32) -> Drawn {
-    const BOX: i32 = 100;
-    for class in 0..KINDS {
-        // The classes of misses and few hits are separated from the scale.
-        let x = MARGIN + class as i32 * BOX + if class > CLASSES.len() { 24 } else { 0 };
-        let corners = [(x, top + 4), (x + BOX, top + 22)];
+    const BOX: i32 = 50;
+    const HEIGHT: i32 = 18;
+    for class in 0..STEPS.len() {
+        let x = MARGIN + class as i32 * BOX;
+        fill(root, [(x, top), (x + BOX, top + HEIGHT)], class)?;
+        if let Some(&most) = CLASSES.get(class) {
+            let at = (x + BOX, top + HEIGHT + LINE / 2);
+            root.draw_text(&power(most as f64), &centered(label(TEXT, INK)), at)?;
+        }
+    }
+    let x = MARGIN + STEPS.len() as i32 * BOX;
+    root.draw_text("ulp", &label(TEXT, INK), (x - BOX / 2, top + HEIGHT + LINE / 2))?;
+    for (row, class) in (0..).zip(STEPS.len()..KINDS) {
+        let (x, y) = (x + 30, top + LINE * row);
+        let corners = [(x, y), (x + BOX, y + HEIGHT)];
         fill(root, corners, class)?;
         stripe(root, corners, class)?;
-        root.draw_text(&meaning(class), &label(TEXT, INK), (x, top + 34))?;
+        root.draw_text(&meaning(class), &label(TEXT, INK), (x + BOX + 8, y + HEIGHT / 2))?;
     }
     Ok(())
 }
@@ -145,12 +142,12 @@ impl Layout {
     }
 
     fn height(&self) -> i32 {
-        MAP_TITLE + 2 * LINE + self.rows * self.row_height() + AXIS_TITLE
+        MAP_TITLE + 2 * LINE + self.rows * self.row_height()
     }
 }
 
 fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &Layout, top: i32) -> Drawn {
-    root.draw_text(&map.name, &heading(15.0), (MARGIN, top + MAP_TITLE / 2))?;
+    root.draw_text(&map.name, &heading(TEXT), (MARGIN, top + MAP_TITLE / 2))?;
     let rays = count(map.hits.iter().copied().max().unwrap_or(0));
     let axes = [format!("→ {}", map.x_axis), format!("↑ {}; {rays} rays per cell", map.y_axis)];
     for (line, text) in (0..).zip(axes) {
@@ -160,7 +157,7 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
     for (i, kernel) in (0..).zip(&group.kernels) {
         let (column, row) = (i % layout.columns, i / layout.columns);
         let corner = (LEFT + column * layout.pitch, top + row * layout.row_height() + NAME);
-        root.draw_text(&kernel.name, &name(false), (corner.0, corner.1 - NAME / 2))?;
+        root.draw_text(&kernel.name, &name(false, INK), (corner.0, corner.1 - NAME / 2))?;
         axes_of(root, map, layout, corner, column == 0)?;
         let cells = record.map_cells.iter().find(|cells| cells.id == kernel.method.id && cells.map == map.name);
         let Some(cells) = cells.filter(|cells| fits(cells, map)) else {
@@ -190,7 +187,7 @@ fn axes_of(root: &Area, map: &MapRow, layout: &Layout, (left, top): Pixel, y_lab
     for &tick in &x_axis.ticks {
         let x = left + (x_axis.position(tick) * f64::from(width)).round() as i32;
         root.draw(&PathElement::new([(x, bottom + 1), (x, bottom + 5)], FAINT))?;
-        root.draw_text(&power(tick), &centered(label(0.9 * TEXT, INK)), (x, bottom + 13))?;
+        root.draw_text(&power(tick), &centered(label(0.9 * TEXT, INK)), (x, bottom + 15))?;
     }
     let y_axis = LogAxis::of_cells(&map.y);
     for &tick in &y_axis.ticks {
@@ -280,9 +277,9 @@ fn fill(root: &Area, corners: [Pixel; 2], class: usize) -> Drawn {
 
 /// Draws the stripe of a class, if it has one.
 fn stripe(root: &Area, [from, to]: [Pixel; 2], class: usize) -> Drawn {
-    if class == CLASSES.len() + 1 {
+    if class == STEPS.len() {
         let y = (from.1 + to.1) / 2;
-        root.draw(&PathElement::new([(from.0, y), (to.0, y)], WHITE.mix(0.7)))?;
+        root.draw(&PathElement::new([(from.0, y), (to.0, y)], PAGE.mix(0.7)))?;
     }
     Ok(())
 }
@@ -346,7 +343,7 @@ mod tests {
         for cells in &mut record.map_cells {
             cells.t_ulp_p99.iter_mut().for_each(|cell| *cell = Some(u64::MAX));
         }
-        let missed = |svg: &str| ["fill=\"#DE461E\"", "stroke=\"#FFF\" opacity"].map(|look| svg.matches(look).count());
+        let missed = |svg: &str| ["fill=\"#C8321A\"", "stroke=\"#FFF\" opacity"].map(|look| svg.matches(look).count());
         assert_eq!(missed(&chart(&record)), [1, 1], "only the legend has them");
         record.map_cells[0].t_ulp_p99[5] = None;
         let svg = chart(&record);

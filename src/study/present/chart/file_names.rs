@@ -5,6 +5,8 @@ use crate::study::record::{MapRow, Record, RegimeRow};
 
 /// The chart of raylanes and its peers.
 pub(crate) const PEERS: &str = "peers.svg";
+/// The chart of whole scenes with every kernel.
+pub(crate) const ON_SCENES: &str = "on-scenes.svg";
 /// The chart of speed against accuracy of all kernels except instances.
 pub(crate) const SPEED_ACCURACY: &str = "speed-accuracy.svg";
 /// The chart of speed against accuracy of instances.

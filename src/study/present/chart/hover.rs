@@ -73,7 +73,7 @@ mod tests {
         };
         let svg = canvas((100, 50), |root| {
             root.draw(&hover)?;
-            root.draw_text("<drawn later>", &super::super::canvas::label(12.0, super::super::layout::INK), (5, 5))
+            root.draw_text("<drawn later>", &super::super::canvas::label(12.0, super::super::palette::INK), (5, 5))
         });
         let target = "<circle cx=\"30\" cy=\"20\" r=\"5\" data-of=\"0 1\" data-cells=\"1 &quot;2&quot;\">\
                       <title>a &lt; b &amp; &quot;c&quot;</title></circle>";

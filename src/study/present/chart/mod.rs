@@ -1,12 +1,16 @@
 //! The charts, as SVG:
 //!
-//! - `speed_accuracy`: speed of every kernel against its error of `t`, and against the rays that it loses;
+//! - `on_scenes`: the tracer's speed on whole scenes with every kernel, and the wrong answers there, as a dot plot;
+//! - `speed_accuracy`: speed of every kernel, and how often it is wrong, as a dot plot;
 //! - `packets`: speed of packets over scalar code, and how close packets come to the machine's limit;
 //! - `stability`: for each regime, the errors from the easy steps to the hard ones;
 //! - `failure_map`: for each kernel, the error of `t` over two severities, as an image;
 //! - `coherence`: the modes of the tracer on less and less coherent rays;
 //! - `scaling`: the cost of a ray in larger and larger scenes;
 //! - `peers`: rays per second of this crate's tracer and of others.
+//!
+//! `dot_plot` and `panel` are the two forms of most charts. No colour stands for a kernel: kernels are told apart by
+//! their names, beside their row or at the end of their line.
 //!
 //! plotters maps values to pixels and draws the axes. Names and legends are placed in pixels by the code here, so that
 //! they do not overlap. An SVG without fonts cannot measure text, so kernel names are set in a monospaced font of known
@@ -15,12 +19,15 @@
 mod axis;
 mod canvas;
 mod coherence;
+mod dot_plot;
 mod failure_map;
 mod file_names;
 mod hover;
 mod layout;
 mod look;
+mod on_scenes;
 mod packets;
+mod palette;
 mod panel;
 mod peers;
 mod scaling;
@@ -29,27 +36,39 @@ mod stability;
 mod svg;
 
 pub(crate) use file_names::{
-    COHERENCE, PACKETS, PEERS, SCALING, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES, failure_map_file, maps_of,
+    COHERENCE, ON_SCENES, PACKETS, PEERS, SCALING, SPEED_ACCURACY, SPEED_ACCURACY_INSTANCES, failure_map_file, maps_of,
     stability_file,
 };
+pub(crate) use palette::page_style;
 pub(crate) use svg::escaped;
 
 use crate::study::figures::groups;
 use crate::study::record::Record;
 
-/// A chart: the name of its file, and its SVG.
+/// A chart: the name of its file, and its SVG. The SVG has light colours, which [`page_style`] or
+/// [`file_content`](Self::file_content) replace on dark pages.
 pub(crate) struct Chart {
     pub(crate) file: String,
     pub(crate) svg: String,
+}
+
+impl Chart {
+    /// The SVG with a style sheet of its own.
+    pub(crate) fn file_content(&self) -> String {
+        let (start, rest) = self.svg.split_once('>').expect("an SVG starts with a tag");
+        format!("{start}>\n<style>{}</style>{rest}", palette::file_style(&self.svg))
+    }
 }
 
 /// All charts of a record.
 pub(crate) fn charts(record: &Record) -> Vec<Chart> {
     let groups = groups(record);
     let (bases, instances): (Vec<_>, Vec<_>) = groups.iter().partition(|group| group.is_base());
-    let mut charts = vec![Chart { file: SPEED_ACCURACY.into(), svg: speed_accuracy::overview(record, &bases) }];
+    let on_scenes = on_scenes::svg(record, &bases).map(|svg| Chart { file: ON_SCENES.into(), svg });
+    let mut charts: Vec<_> = on_scenes.into_iter().collect();
+    charts.push(Chart { file: SPEED_ACCURACY.into(), svg: speed_accuracy::svg(record, &bases) });
     if !instances.is_empty() {
-        charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::stacked(record, &instances) });
+        charts.push(Chart { file: SPEED_ACCURACY_INSTANCES.into(), svg: speed_accuracy::svg(record, &instances) });
     }
     if groups.iter().any(|group| group.kernels.iter().any(|kernel| kernel.gain().is_some())) {
         charts.push(Chart { file: PACKETS.into(), svg: packets::svg(record, &bases) });
@@ -97,7 +116,7 @@ mod tests {
         let charts = charts(&record);
         let groups = groups(&record);
         let with_maps: BTreeSet<_> = record.maps.iter().map(|map| &map.family).collect();
-        assert_eq!(charts.len(), 6 + record.regimes.len() + with_maps.len());
+        assert_eq!(charts.len(), 7 + record.regimes.len() + with_maps.len());
         for chart in &charts {
             sound(chart);
             if [COHERENCE, SCALING, PEERS].contains(&chart.file.as_str()) {
@@ -106,6 +125,9 @@ mod tests {
             let regime = record.regimes.iter().find(|regime| stability_file(regime) == chart.file);
             let shown: Vec<_> = match chart.file.as_str() {
                 SPEED_ACCURACY | PACKETS => groups.iter().filter(|group| group.is_base()).collect(),
+                ON_SCENES => {
+                    groups.iter().filter(|group| ["triangle", "quadric"].contains(&group.title.as_str())).collect()
+                }
                 SPEED_ACCURACY_INSTANCES => groups.iter().filter(|group| !group.is_base()).collect(),
                 file => {
                     let is_for = |group: &&Group| {
@@ -117,7 +139,12 @@ mod tests {
             let kernels: Vec<_> = shown.iter().flat_map(|group| &group.kernels).collect();
             assert!(kernels.len() >= 3, "{}", chart.file);
             for kernel in kernels {
-                assert!(chart.svg.contains(&format!(">{}<", kernel.name)), "{}: {}", chart.file, kernel.name);
+                // In a stability chart, a label may count the kernels of a shared line: the tooltip names them all.
+                let (id, name) = (&kernel.method.id, kernel.name.rsplit('/').next().unwrap_or_default());
+                let is_named = chart.svg.contains(&format!(">{name}<"));
+                let is_told = chart.svg.contains(&format!("{id}, "));
+                assert!(is_told || is_named && regime.is_none(), "{}: {id}", chart.file);
+                assert!(is_named || regime.is_some(), "{}: {name}", chart.file);
             }
         }
     }
@@ -133,6 +160,17 @@ mod tests {
         for chart in charts(&record_of(&all_ids())) {
             let titles = chart.svg.lines().filter(|line| line.contains(" font-size=\"18\" "));
             assert_eq!(titles.count(), 1, "the title of {} is longer than one line", chart.file);
+        }
+    }
+
+    #[test]
+    fn every_colour_has_a_value_for_dark_pages() {
+        for chart in charts(&record_of(&all_ids())) {
+            for attribute in ["fill", "stroke"] {
+                let (all, classes) = (format!("{attribute}=\"#"), format!("class=\"{}-", &attribute[..1]));
+                assert_eq!(chart.svg.matches(&all).count(), chart.svg.matches(&classes).count(), "{}", chart.file);
+            }
+            assert!(chart.file_content().contains(">\n<style>@media(prefers-color-scheme:dark){.f-ink{fill:#E2E6EA}"));
         }
     }
 

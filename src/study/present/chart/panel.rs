@@ -1,36 +1,34 @@
-//! One plot: a series of marks for each kernel, and a column of names beside it. A leader connects each name with the
-//! last mark of its series.
+//! A stack of plots over one horizontal axis: a line of marks for each series, and its name at the line's end. Series
+//! whose lines coincide share a line and a label.
 
-use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 
 use plotters::prelude::*;
 
 use super::axis::LogAxis;
-use super::canvas::{Area, Drawing, Drawn, centered, label, name};
+use super::canvas::{Area, Drawn, label, name, wrapped};
 use super::hover::{Hover, Shape};
-use super::layout::{ADVANCE, FAINT, GRID, INK, LEFT, LINE, MARGIN, Pixel, TEXT, WIDTH};
-use super::look::{Look, line};
+use super::layout::{LEFT, LINE, MARGIN, Pixel, TEXT, WIDTH, name_width};
+use super::look::Look;
+use super::palette::{FAINT, INK, PAGE, QUIET, RULE};
 use super::svg::SubjectGroup;
 use crate::study::figures::si;
 
 /// Minimum width of a plot; long names widen the chart instead.
-const MIN_PLOT: i32 = 480;
+const MIN_PLOT: i32 = 270;
 const MIN_HEIGHT: i32 = 150;
-const TITLE_HEIGHT: i32 = 24;
 /// Marks at most this far apart count as overlapping.
 const NEAR: i32 = 4;
-/// Space between the plot and the column of names, for the leaders.
-const GAP: i32 = 48;
-/// Width of the sample of line and mark before each name.
-const SAMPLE: i32 = 34;
+/// Half the size of a mark.
+const MARK: i32 = 4;
+/// Space between the plot and the labels, for the leaders.
+const GAP: i32 = 26;
+/// Space between a leader and its label.
+const BESIDE: i32 = 6;
 const BELOW: i32 = 16;
-const X_LABELS: i32 = 22;
-const X_TITLE: i32 = 30;
-const FRONTIER: RGBColor = RGBColor(150, 150, 150);
-const DOMINATED: RGBColor = RGBColor(244, 244, 244);
-/// Follows the name of a kernel without marks in this panel.
-const NOT_MEASURED: &str = " (not measured)";
+const X_LABELS: i32 = 26;
+/// A label of more names than this lists the first ones and counts the others.
+const LISTED: usize = 3;
 
 /// One plot.
 pub(super) struct Panel<'a> {
@@ -39,16 +37,18 @@ pub(super) struct Panel<'a> {
     pub(super) possible: RangeInclusive<f64>,
     /// A value that is marked by a line across the plot.
     pub(super) threshold: Option<f64>,
-    /// Whether to draw the frontier: the marks that no other mark beats on both axes.
-    pub(super) frontier: bool,
+    /// Later series are drawn above earlier ones where they coincide.
     pub(super) series: Vec<Series<'a>>,
 }
 
-/// The marks of a kernel.
+/// The marks of a kernel, or of a category.
 pub(super) struct Series<'a> {
     /// Unique ID within the chart.
     pub(super) id: &'a str,
     pub(super) name: &'a str,
+    pub(super) look: Look,
+    /// Whether the line is thick and all names are listed.
+    pub(super) emphasised: bool,
     pub(super) marks: Vec<Mark>,
 }
 
@@ -57,387 +57,348 @@ pub(super) struct Mark {
     /// Marks of consecutive steps are joined by a line.
     pub(super) step: usize,
     pub(super) x: f64,
-    /// The range of `x` within the noise. Marks whose ranges overlap tie.
-    pub(super) spread: Option<[f64; 2]>,
+    /// The observed value. Zero is drawn hollow, below every other value.
     pub(super) value: f64,
-    /// Whether the value is an upper bound, because no event was observed.
-    pub(super) bound: bool,
-    /// Half its size in pixels.
-    pub(super) size: i32,
+    /// The 95 % bound of a count of zero: a line reaches from zero to it.
+    pub(super) bound: Option<f64>,
     /// The text of the tooltip after the ID: figures with their units.
     pub(super) tooltip: String,
 }
 
-impl Mark {
-    /// The observed value: 0 for a bound.
-    fn observed(&self) -> f64 {
-        if self.bound { 0.0 } else { self.value }
-    }
-}
-
-impl Series<'_> {
-    /// The name beside the plot.
-    fn label(&self) -> String {
-        let remark = if self.marks.is_empty() { NOT_MEASURED } else { "" };
-        format!("{}{remark}", self.name)
-    }
-}
-
-/// Width of a plot that leaves room for the names of all panels, and width of the whole chart.
-pub(super) fn widths<'a>(panels: impl Iterator<Item = &'a Panel<'a>>) -> (i32, i32) {
-    let beside = LEFT + names_width(panels);
-    let plot = (WIDTH - beside).max(MIN_PLOT);
-    (plot, plot + beside)
-}
-
-/// Width to the right of a plot, for the leaders, samples and names of all these panels.
-pub(super) fn names_width<'a>(panels: impl Iterator<Item = &'a Panel<'a>>) -> i32 {
-    let series = panels.flat_map(|panel| &panel.series);
-    let longest = series.map(|series| series.label().chars().count()).max().unwrap_or(0);
-    GAP + SAMPLE + (longest as f64 * ADVANCE).ceil() as i32 + MARGIN
-}
-
-/// Height of a stack of panels with one horizontal axis.
-pub(super) fn stack_height(panels: &[Panel]) -> i32 {
-    panels.iter().map(Panel::height).sum::<i32>() + X_LABELS + X_TITLE
-}
-
-/// The place of a plot.
-#[derive(Clone, Copy)]
-pub(super) struct Frame {
-    /// Upper left corner.
-    pub(super) corner: Pixel,
-    pub(super) size: Pixel,
-    /// Whether the ticks of the horizontal axis are labelled.
-    pub(super) x_labels: bool,
-}
-
 /// The horizontal axis of a stack of panels.
-pub(super) struct XAxis<'a> {
+pub(super) struct XAxis {
     pub(super) axis: LogAxis,
     pub(super) title: String,
-    pub(super) tick: &'a dyn Fn(f64) -> String,
+    pub(super) tick: fn(f64) -> String,
 }
 
-/// Draws a stack of panels over one horizontal axis, starting at `top`.
-pub(super) fn draw_stack(root: &Area, panels: &[Panel], x: &XAxis, mut top: i32, plot: i32) -> Drawn {
-    for (i, panel) in panels.iter().enumerate() {
-        root.draw_text(&panel.title, &label(TEXT, INK), (LEFT, top + TITLE_HEIGHT / 2))?;
-        let corner = (LEFT, top + TITLE_HEIGHT);
-        let frame = Frame { corner, size: (plot, panel.plot_height()), x_labels: i + 1 == panels.len() };
-        panel.draw(root, x, frame, Some(&[]))?;
-        top += panel.height();
+/// Panels over one horizontal axis.
+pub(super) struct Stack<'a> {
+    pub(super) panels: Vec<Panel<'a>>,
+    pub(super) x: XAxis,
+}
+
+impl Stack<'_> {
+    /// The width that leaves room for plot and labels.
+    pub(super) fn width(&self) -> i32 {
+        WIDTH.max(LEFT + MIN_PLOT + self.labels_width())
     }
-    root.draw_text(&x.title, &centered(label(TEXT, INK)), (LEFT + plot / 2, top + X_LABELS))
+
+    fn labels_width(&self) -> i32 {
+        let lines = self.panels.iter().flat_map(Panel::lines).flat_map(|line| line.label);
+        GAP + BESIDE + lines.map(|text| name_width(&text)).max().unwrap_or(0) + MARGIN
+    }
+
+    /// The height at this width.
+    pub(super) fn height(&self, width: i32) -> i32 {
+        let title = self.x_title(width).len() as i32;
+        self.panels.iter().map(|panel| panel.height(width)).sum::<i32>() + X_LABELS + LINE * title
+    }
+
+    fn x_title(&self, width: i32) -> Vec<String> {
+        wrapped(&self.x.title, width - LEFT - MARGIN, TEXT)
+    }
+
+    /// Draws the panels, from `top` on.
+    pub(super) fn draw(&self, root: &Area, mut top: i32, width: i32) -> Drawn {
+        let plot = width - LEFT - self.labels_width();
+        for (i, panel) in self.panels.iter().enumerate() {
+            let title = panel.title_lines(width);
+            for (line, text) in (0..).zip(&title) {
+                root.draw_text(text, &label(TEXT, INK), (MARGIN, top + LINE * line + LINE / 2))?;
+            }
+            let corner = (LEFT, top + LINE * title.len() as i32 + 4);
+            panel.draw(root, &self.x, corner, plot, i + 1 == self.panels.len())?;
+            top += panel.height(width);
+        }
+        for (line, text) in (0..).zip(self.x_title(width)) {
+            root.draw_text(&text, &label(TEXT, INK), (LEFT, top + X_LABELS - BELOW / 2 + LINE * line + LINE / 2))?;
+        }
+        Ok(())
+    }
 }
 
-/// Draws a sample of the frontier, for a legend.
-pub(super) fn frontier_sample(root: &Area, (x, y): Pixel) -> Drawn {
-    root.draw(&Rectangle::new([(x, y - 9), (x + 24, y + 7)], DOMINATED.filled()))?;
-    root.draw(&PathElement::new([(x + 24, y - 9), (x + 24, y - 1), (x + 12, y - 1)], FRONTIER.stroke_width(3)))?;
-    root.draw(&PathElement::new([(x + 12, y - 1), (x + 12, y + 7), (x, y + 7)], FRONTIER.stroke_width(3)))
-}
-
-/// Draws a sample of the threshold, for a legend.
-pub(super) fn threshold_sample(root: &Area, (x, y): Pixel) -> Drawn {
-    root.draw(&PathElement::new([(x, y), (x + 24, y)], FRONTIER.stroke_width(1)))
-}
-
-/// A mark of a series, and its position in pixels.
-#[derive(Clone, Copy)]
-struct PlacedMark<'a> {
-    series: usize,
-    mark: &'a Mark,
-    at: Pixel,
+/// Series with equal marks, by their number, and the lines of their label.
+struct Line {
+    series: Vec<usize>,
+    label: Vec<String>,
 }
 
 impl Panel<'_> {
-    fn marks(&self) -> impl Iterator<Item = &Mark> {
-        self.series.iter().flat_map(|series| &series.marks)
+    fn title_lines(&self, width: i32) -> Vec<String> {
+        wrapped(&self.title, width - 2 * MARGIN, TEXT)
     }
 
-    /// Minimum height of a plot, with room for the names.
-    pub(super) fn least_height(&self) -> i32 {
-        LINE * (self.series.len() as i32 + 1)
+    fn height(&self, width: i32) -> i32 {
+        LINE * self.title_lines(width).len() as i32 + 4 + self.plot_height() + BELOW
     }
 
+    /// The height of the plot, with room for the labels.
     fn plot_height(&self) -> i32 {
-        MIN_HEIGHT.max(self.least_height())
+        let labels = self.lines().iter().map(|line| line.label.len()).sum::<usize>();
+        MIN_HEIGHT.max(LINE * labels as i32 + LINE / 2)
     }
 
-    fn height(&self) -> i32 {
-        TITLE_HEIGHT + self.plot_height() + BELOW
+    /// The lines of the plot: series with the same marks and the same colour share one. Series without marks share a
+    /// label.
+    fn lines(&self) -> Vec<Line> {
+        let points = |series: &Series| series.marks.iter().map(|mark| (mark.step, mark.value)).collect::<Vec<_>>();
+        let mut lines: Vec<Line> = Vec::new();
+        for (number, series) in self.series.iter().enumerate() {
+            let coincides = |line: &&mut Line| {
+                let first = &self.series[line.series[0]];
+                first.look.color == series.look.color && points(first) == points(series)
+            };
+            match lines.iter_mut().find(coincides) {
+                Some(line) => line.series.push(number),
+                None => lines.push(Line { series: vec![number], label: Vec::new() }),
+            }
+        }
+        for line in &mut lines {
+            let names: Vec<&str> = line.series.iter().map(|&number| self.series[number].name).collect();
+            let first = &self.series[line.series[0]];
+            let listed = if first.emphasised || names.len() <= LISTED { names.len() } else { LISTED - 1 };
+            line.label.extend(first.marks.is_empty().then(|| "not measured:".into()));
+            line.label.extend(names[..listed].iter().map(|&name| name.into()));
+            line.label.extend((listed < names.len()).then(|| format!("and {} more", names.len() - listed)));
+        }
+        lines
     }
 
-    /// Draws the plot. With `names`, also draws the names of all series beside it; those on the frontier and those
-    /// listed in `names` are bold. Returns the series on the frontier.
-    pub(super) fn draw(&self, root: &Area, x: &XAxis, frame: Frame, names: Option<&[usize]>) -> Drawing<Vec<usize>> {
-        let Frame { corner: (left, top), size: (width, height), x_labels } = frame;
+    /// Draws the plot. Only with `x_labels` are the ticks of the horizontal axis labelled.
+    fn draw(&self, root: &Area, x: &XAxis, (left, top): Pixel, width: i32, x_labels: bool) -> Drawn {
+        let height = self.plot_height();
         let (right, bottom) = (left + width, top + height);
         let label_height = if x_labels { X_LABELS } else { 0 };
-        let values = LogAxis::around(self.marks().map(|mark| mark.value), self.possible.clone());
+        let marks = self.series.iter().flat_map(|series| &series.marks);
+        let values =
+            LogAxis::around(marks.flat_map(|mark| [Some(mark.value), mark.bound]).flatten(), self.possible.clone(), 5);
         let area = root.clone().shrink((left - LEFT, top), (LEFT + width, height + label_height));
+        let labelled = x.axis.labelled(width, x.tick);
         let mut chart = ChartBuilder::on(&area)
             .set_label_area_size(LabelAreaPosition::Left, LEFT)
             .set_label_area_size(LabelAreaPosition::Bottom, label_height)
             .build_cartesian_2d(x.axis.clone(), values.clone())?;
-
-        let mut placed: Vec<PlacedMark> = Vec::new();
-        for (series, marks) in self.series.iter().enumerate() {
-            let place = |mark| PlacedMark { series, mark, at: chart.backend_coord(&(mark.x, mark.value)) };
-            placed.extend(marks.marks.iter().map(place));
-        }
-        let frontier = if self.frontier { frontier(&placed) } else { Vec::new() };
-        let steps = frontier_steps(&frontier, (left, top));
-        if !steps.is_empty() {
-            let dominated = steps.iter().copied().chain([(left, top)]).collect::<Vec<_>>();
-            root.draw(&Polygon::new(dominated, DOMINATED.filled()))?;
-        }
         chart
             .configure_mesh()
-            .bold_line_style(GRID)
+            .bold_line_style(RULE)
             .axis_style(FAINT)
-            .label_style(label(TEXT, INK))
+            .label_style(label(TEXT, FAINT))
             .x_labels(x.axis.ticks.len())
-            .x_label_formatter(&|&value| (x.tick)(value))
+            .x_label_formatter(&|value| if labelled.contains(value) { (x.tick)(*value) } else { String::new() })
             .y_label_formatter(&|&value| si(value, 1))
             .draw()?;
+        // Zero is not on a logarithmic axis, so a break is drawn beside it.
         if let Some(gap) = x.axis.gap().filter(|_| x_labels) {
-            // Zero is not on a logarithmic axis, so a break is drawn before it.
             let x = left + (gap * f64::from(width)).round() as i32;
-            root.draw(&Rectangle::new([(x - 3, bottom - 2), (x + 3, bottom + 2)], WHITE.filled()))?;
-            for x in [x - 3, x + 3] {
-                root.draw(&PathElement::new([(x - 3, bottom + 5), (x + 3, bottom - 5)], FAINT))?;
-            }
+            axis_break(root, [(x - 3, bottom), (x + 3, bottom)], (3, -5))?;
         }
+        if let Some(gap) = values.gap() {
+            let y = bottom - (gap * f64::from(height)).round() as i32;
+            axis_break(root, [(left, y - 3), (left, y + 3)], (5, -3))?;
+        }
+        let at = |x: f64, value: f64| chart.backend_coord(&(x, value));
         if let Some(value) = self.threshold.filter(|&value| (0.0..1.0).contains(&values.position(value))) {
-            let (_, y) = chart.backend_coord(&(x.axis.ticks.first().copied().unwrap_or(1.0), value));
-            root.draw(&PathElement::new([(left, y), (right, y)], FRONTIER.stroke_width(1)))?;
+            let (_, y) = at(x.axis.ticks.first().copied().unwrap_or(1.0), value);
+            root.draw(&PathElement::new([(left, y), (right, y)], FAINT.stroke_width(2)))?;
         }
-        if !steps.is_empty() {
-            root.draw(&PathElement::new(steps, FRONTIER.stroke_width(3)))?;
+        let lines = self.lines();
+        for line in &lines {
+            self.line(root, line, &at)?;
         }
-        self.lines(root, &placed)?;
-        let best = with_ties(&placed, &frontier);
-        if let Some(more) = names {
-            self.names(root, right, top..bottom, &placed, &[&best, more].concat())?;
-        }
-        for PlacedMark { series, mark, at: (_, y) } in &placed {
-            if let Some(spread) = mark.spread {
-                let ends = spread.map(|x| (chart.backend_coord(&(x, mark.value)).0.clamp(left, right), *y));
-                root.draw(&SubjectGroup(Some(self.series[*series].id)))?;
-                whisker(root, ends, Look::of(*series))?;
-            }
-        }
-        self.draw_marks(root, &placed)?;
-        Ok(best)
+        root.draw(&SubjectGroup(&[]))?;
+        self.hover(root, &at)?;
+        self.labels(root, &lines, right, top..bottom, &at)
     }
 
-    /// Draws the names of all series in a column right of the plot, with leaders to their last marks. Those in `best`
-    /// are bold.
-    fn names(&self, root: &Area, right: i32, rows: Range<i32>, placed: &[PlacedMark], best: &[usize]) -> Drawn {
-        let column = right + GAP;
-        let last = |series: usize| {
-            let marks = placed.iter().filter(|placed| placed.series == series).map(|placed| placed.at);
-            marks.max_by_key(|&(x, _)| x).unwrap_or((right, rows.end))
+    fn ids(&self, line: &Line) -> Vec<&str> {
+        line.series.iter().map(|&number| self.series[number].id).collect()
+    }
+
+    /// Draws a line and its marks.
+    fn line(&self, root: &Area, line: &Line, at: &impl Fn(f64, f64) -> Pixel) -> Drawn {
+        let first = &self.series[line.series[0]];
+        let style = first.look.color.stroke_width(if first.emphasised { 2 } else { 1 });
+        root.draw(&SubjectGroup(&self.ids(line)))?;
+        for marks in first.marks.chunk_by(|a, b| a.step + 1 == b.step) {
+            root.draw(&PathElement::new(marks.iter().map(|mark| at(mark.x, mark.value)).collect::<Vec<_>>(), style))?;
+        }
+        for mark in &first.marks {
+            let (x, y) = at(mark.x, mark.value);
+            if let Some(bound) = mark.bound {
+                let (_, end) = at(mark.x, bound);
+                root.draw(&PathElement::new([(x, y), (x, end)], style))?;
+                root.draw(&PathElement::new([(x - 3, end), (x + 3, end)], style))?;
+            }
+            let size = if first.emphasised { MARK + 1 } else { MARK - 1 };
+            first.look.mark(root, (x, y), size, mark.value == 0.0)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the label of each line right of the plot, with a leader from the line's last mark.
+    fn labels(
+        &self,
+        root: &Area,
+        lines: &[Line],
+        right: i32,
+        rows: Range<i32>,
+        at: &impl Fn(f64, f64) -> Pixel,
+    ) -> Drawn {
+        let last = |line: &Line| {
+            let mark = self.series[line.series[0]].marks.last();
+            mark.map(|mark| at(mark.x, mark.value))
         };
-        let targets: Vec<Pixel> = (0..self.series.len()).map(last).collect();
-        let names = name_rows(&targets, column, rows);
-        for (i, ((series, &target), y)) in self.series.iter().zip(&targets).zip(names).enumerate() {
-            let look = Look::of(i);
-            root.draw(&SubjectGroup(Some(series.id)))?;
-            if !series.marks.is_empty() {
-                root.draw(&PathElement::new([target, (column - 4, y)], look.color.mix(0.6)))?;
+        let mut labelled: Vec<(&Line, Option<Pixel>)> = lines.iter().map(|line| (line, last(line))).collect();
+        labelled.sort_by_key(|(_, target)| target.map_or(i32::MAX, |(_, y)| y));
+        let blocks: Vec<(i32, i32)> = labelled
+            .iter()
+            .map(|(line, target)| (target.map_or(rows.end, |(_, y)| y), LINE * line.label.len() as i32))
+            .collect();
+        for ((line, target), top) in labelled.iter().zip(tops(&blocks, rows)) {
+            let first = &self.series[line.series[0]];
+            let (x, height) = (right + GAP, LINE * line.label.len() as i32);
+            root.draw(&SubjectGroup(&self.ids(line)))?;
+            if let &Some((from, y)) = target {
+                let middle = top + height / 2;
+                let leader = [(from, y), (right + 2, y), (x - 4, middle), (x, middle)];
+                root.draw(&PathElement::new(leader, first.look.color.mix(0.5)))?;
+                if line.label.len() > 1 {
+                    let bracket = [(x, top + 3), (x, top + height - 3)];
+                    root.draw(&PathElement::new(bracket, first.look.color))?;
+                }
             }
-            line(root, &[(column, y), (column + SAMPLE - 6, y)], &[(Some(series.id), look)])?;
-            look.mark(root, (column + SAMPLE / 2 - 3, y), 4, false)?;
-            root.draw_text(&series.label(), &name(best.contains(&i)), (column + SAMPLE, y))?;
+            let color = if first.look.color == QUIET { FAINT } else { first.look.color };
+            for (i, text) in (0..).zip(&line.label) {
+                root.draw_text(text, &name(false, color), (x + BESIDE, top + LINE * i + LINE / 2))?;
+            }
         }
-        root.draw(&SubjectGroup(None))
+        root.draw(&SubjectGroup(&[]))
     }
 
-    /// Joins the marks of consecutive steps. Where several series coincide, the line is striped in their colours.
-    fn lines(&self, root: &Area, placed: &[PlacedMark]) -> Drawn {
-        let mut segments: BTreeMap<[Pixel; 2], Vec<usize>> = BTreeMap::new();
-        for pair in placed.windows(2) {
-            if pair[0].series == pair[1].series && pair[0].mark.step + 1 == pair[1].mark.step {
-                segments.entry([pair[0].at, pair[1].at]).or_default().push(pair[0].series);
-            }
-        }
-        // Consecutive segments of the same series become one line, so that the dash pattern continues.
-        let mut chains: Vec<(Vec<usize>, Vec<Pixel>)> = Vec::new();
-        for ([from, to], series) in segments {
-            match chains.iter_mut().find(|(of, points)| *of == series && points.last() == Some(&from)) {
-                Some((_, points)) => points.push(to),
-                None => chains.push((series, vec![from, to])),
-            }
-        }
-        for (series, points) in &chains {
-            let looks: Vec<_> = series.iter().map(|&series| (Some(self.series[series].id), Look::of(series))).collect();
-            line(root, points, &looks)?;
-        }
-        root.draw(&SubjectGroup(None))
-    }
-
-    /// Draws the marks. Of several marks in one place, one is drawn, a different one at each step; the tooltip names
-    /// all.
-    fn draw_marks(&self, root: &Area, placed: &[PlacedMark]) -> Drawn {
-        let mut places: BTreeMap<Pixel, Vec<&PlacedMark>> = BTreeMap::new();
-        for mark in placed {
-            places.entry(mark.at).or_default().push(mark);
-        }
-        for (&at, here) in &places {
-            let shown = here[here[0].mark.step % here.len()];
-            root.draw(&SubjectGroup(Some(self.series[shown.series].id)))?;
-            Look::of(shown.series).mark(root, at, shown.mark.size, shown.mark.bound)?;
-        }
-        root.draw(&SubjectGroup(None))?;
-        for (&(x, y), here) in &places {
-            let near = |other: &&PlacedMark| (other.at.0 - x).abs().max((other.at.1 - y).abs()) <= NEAR;
+    /// Draws the hover targets of the marks. The tooltip names all series with a mark near the pointer.
+    fn hover(&self, root: &Area, at: &impl Fn(f64, f64) -> Pixel) -> Drawn {
+        let marks = self.series.iter().flat_map(|series| series.marks.iter().map(move |mark| (series.id, mark)));
+        let placed: Vec<_> = marks.map(|(id, mark)| (at(mark.x, mark.value), id, mark)).collect();
+        let mut places: Vec<Pixel> = placed.iter().map(|&(place, ..)| place).collect();
+        places.sort_unstable();
+        places.dedup();
+        for (x, y) in places {
             // Marks exactly here come first. IDs with the same text share a line.
+            let near =
+                |((other_x, other_y), ..): &&(Pixel, &str, &Mark)| (other_x - x).abs().max((other_y - y).abs()) <= NEAR;
             let mut named: Vec<_> = placed.iter().filter(near).collect();
-            named.sort_by_key(|other| (other.at != (x, y), other.mark.tooltip.as_str()));
-            let lines = named.chunk_by(|a, b| a.mark.tooltip == b.mark.tooltip).map(|same| {
-                let ids: Vec<_> = same.iter().map(|placed| self.series[placed.series].id).collect();
-                format!("{}, {}", ids.join(", "), same[0].mark.tooltip)
+            named.sort_by_key(|(place, _, mark)| (*place != (x, y), mark.tooltip.as_str()));
+            let lines = named.chunk_by(|(.., a), (.., b)| a.tooltip == b.tooltip).map(|same| {
+                let ids: Vec<_> = same.iter().map(|&&(_, id, _)| id).collect();
+                format!("{}, {}", ids.join(", "), same[0].2.tooltip)
             });
             let title = lines.collect::<Vec<_>>().join("\n");
-            let mut subjects: Vec<_> = named.iter().map(|placed| self.series[placed.series].id).collect();
+            let mut subjects: Vec<_> = named.iter().map(|&&(_, id, _)| id).collect();
             subjects.dedup();
-            let shape = Shape::Disc { center: (x, y), radius: here[0].mark.size + 3 };
+            let shape = Shape::Disc { center: (x, y), radius: MARK + 4 };
             root.draw(&Hover { shape, subjects, title, data: Vec::new() })?;
         }
         Ok(())
     }
 }
 
-/// Draws the range of a mark within the noise.
-pub(super) fn whisker(root: &Area, ends: [Pixel; 2], look: Look) -> Drawn {
-    root.draw(&PathElement::new(ends, look.color))?;
-    ends.iter().try_for_each(|&(x, y)| root.draw(&PathElement::new([(x, y - 3), (x, y + 4)], look.color)))
+/// Draws two strokes across an axis, from end to end of the part that they take out.
+fn axis_break(root: &Area, ends: [Pixel; 2], (dx, dy): Pixel) -> Drawn {
+    let [(x0, y0), (x1, y1)] = ends;
+    root.draw(&PathElement::new([(x0, y0), (x1, y1)], PAGE.stroke_width(3)))?;
+    ends.iter().try_for_each(|&(x, y)| root.draw(&PathElement::new([(x - dx, y - dy), (x + dx, y + dy)], FAINT)))
 }
 
-/// The marks that no other mark beats on both axes, largest `x` first. Bounds count as zero, so all zeros are equal.
-fn frontier<'a>(placed: &[PlacedMark<'a>]) -> Vec<PlacedMark<'a>> {
-    let mut marks = placed.to_vec();
-    marks.sort_by(|a, b| b.mark.x.total_cmp(&a.mark.x).then(a.mark.observed().total_cmp(&b.mark.observed())));
-    let mut best = f64::INFINITY;
-    marks.retain(|PlacedMark { mark, .. }| {
-        let better = mark.observed() < best;
-        best = best.min(mark.observed());
-        better
-    });
-    marks
-}
-
-/// The series on the frontier, and those that tie with one of them: with an equal value, and an `x` that ties.
-fn with_ties(placed: &[PlacedMark], frontier: &[PlacedMark]) -> Vec<usize> {
-    let ties = |a: &Mark, b: &Mark| match (a.spread, b.spread) {
-        (Some([a_least, a_most]), Some([b_least, b_most])) => a_least <= b_most && b_least <= a_most,
-        _ => a.x == b.x,
-    };
-    let is_on = |placed: &&PlacedMark| {
-        frontier.iter().any(|best| best.mark.observed() == placed.mark.observed() && ties(best.mark, placed.mark))
-    };
-    placed.iter().filter(is_on).map(|placed| placed.series).collect()
-}
-
-/// The line through the frontier, from the top edge to the left edge.
-fn frontier_steps(frontier: &[PlacedMark], (left, top): Pixel) -> Vec<Pixel> {
-    let mut steps: Vec<Pixel> = Vec::new();
-    for &PlacedMark { at: (x, y), .. } in frontier {
-        steps.extend([(x, steps.last().map_or(top, |&(_, above)| above)), (x, y)]);
+/// The tops of blocks in a column, each given by the place of its middle that it wants, in ascending order, and its
+/// height. Blocks do not overlap, keep their order, and stay within the rows if they fit.
+fn tops(blocks: &[(i32, i32)], rows: Range<i32>) -> Vec<i32> {
+    let mut least = rows.start;
+    let mut tops: Vec<i32> = blocks
+        .iter()
+        .map(|&(middle, height)| {
+            let top = least.max(middle - height / 2);
+            least = top + height;
+            top
+        })
+        .collect();
+    let mut most = rows.end;
+    for (top, (_, height)) in tops.iter_mut().zip(blocks).rev() {
+        *top = (most - height).min(*top);
+        most = *top;
     }
-    steps.extend(steps.last().map(|&(_, last)| (left, last)));
-    steps
-}
-
-/// The vertical position of each name in a column at `x`. Names are at least a line apart and near their targets, and
-/// no two leaders cross.
-fn name_rows(targets: &[Pixel], x: i32, rows: Range<i32>) -> Vec<i32> {
-    let mut slots: Vec<i32> = targets.iter().map(|&(_, y)| y).collect();
-    slots.sort_unstable();
-    let mut least = rows.start + LINE / 2;
-    for slot in &mut slots {
-        *slot = least.max(*slot);
-        least = *slot + LINE;
-    }
-    let mut most = rows.end - LINE / 2;
-    for slot in slots.iter_mut().rev() {
-        *slot = most.min(*slot);
-        most = *slot - LINE;
-    }
-
-    // Two leaders that cross get shorter if their names are swapped. So the loop ends, and no leaders cross then.
-    let length = |(tx, ty): Pixel, y: i32| f64::from(x - tx).hypot(f64::from(y - ty));
-    let mut swapped = true;
-    while swapped {
-        swapped = false;
-        for a in 0..slots.len() {
-            for b in a + 1..slots.len() {
-                let (ta, tb, sa, sb) = (targets[a], targets[b], slots[a], slots[b]);
-                if length(ta, sb) + length(tb, sa) < length(ta, sa) + length(tb, sb) - 1e-6 {
-                    slots.swap(a, b);
-                    swapped = true;
-                }
-            }
-        }
-    }
-    slots
+    tops
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::palette::{BAD, QUIET};
     use super::*;
 
     #[test]
-    fn names_are_a_line_apart_and_leaders_do_not_cross() {
-        let targets: Vec<Pixel> = (0..35).map(|i| (i * 37 % 300, 100 + i % 3 * 200)).collect();
-        let rows = name_rows(&targets, 400, 0..36 * LINE);
-        let mut sorted = rows.clone();
-        sorted.sort_unstable();
-        assert!(sorted.windows(2).all(|pair| pair[1] - pair[0] >= LINE));
-        assert!(sorted[0] >= LINE / 2 && sorted[34] <= 36 * LINE - LINE / 2);
-        let side = |(px, py): Pixel, (qx, qy): Pixel, (rx, ry): Pixel| (qx - px) * (ry - py) - (qy - py) * (rx - px);
-        for a in 0..35 {
-            for b in 0..a {
-                let ([p, q], [r, s]) = ([targets[a], (400, rows[a])], [targets[b], (400, rows[b])]);
-                let cross = side(p, q, r).signum() * side(p, q, s).signum() < 0
-                    && side(r, s, p).signum() * side(r, s, q).signum() < 0;
-                assert!(!cross, "{a} and {b}");
-            }
+    fn labels_do_not_overlap_and_keep_their_order() {
+        let blocks: Vec<(i32, i32)> = (0..12).map(|i| (100 + i / 4 * 60, LINE * (1 + i % 3))).collect();
+        let rows = 0..LINE * 24 + 10;
+        let tops = tops(&blocks, rows.clone());
+        for (i, pair) in tops.windows(2).enumerate() {
+            assert!(pair[0] + blocks[i].1 <= pair[1], "{tops:?}");
         }
+        assert!(tops[0] >= rows.start && tops[11] + blocks[11].1 <= rows.end, "{tops:?}");
+        assert_eq!(super::tops(&[(50, 20), (90, 20)], 0..200), [40, 80]);
+    }
+
+    fn panel<'a>(series: &'a [(&'a str, RGBColor, &'a [f64])]) -> Panel<'a> {
+        let series = series.iter().map(|&(name, color, values)| Series {
+            id: name,
+            name,
+            look: Look::new(color, 0),
+            emphasised: color == BAD,
+            marks: values
+                .iter()
+                .enumerate()
+                .map(|(step, &value)| Mark {
+                    step,
+                    x: 10f64.powi(step as i32),
+                    value,
+                    bound: (value == 0.0).then_some(3.0),
+                    tooltip: String::new(),
+                })
+                .collect(),
+        });
+        Panel { title: String::new(), possible: 0.0..=1e6, threshold: None, series: series.collect() }
     }
 
     #[test]
-    fn the_frontier_holds_the_marks_that_no_other_beats() {
-        let mark = |x: f64, value, bound| Mark {
-            step: 0,
-            x,
-            spread: Some([x - 0.4, x + 0.4]),
-            value,
-            bound,
-            size: 5,
-            tooltip: String::new(),
-        };
-        // The second is beaten by the first. The fourth is beaten by the third: both are zeros, and the third is
-        // faster; its weaker bound does not matter.
+    fn series_with_the_same_line_share_a_label() {
+        let zeros: &[f64] = &[0.0, 0.0];
         let all = [
-            mark(9.0, 50.0, false),
-            mark(8.0, 60.0, false),
-            mark(5.0, 7.0, true),
-            mark(4.0, 3.0, true),
-            mark(7.0, 9.0, false),
-            // Equal to the fifth and tied in speed; equal to the fifth and slower beyond the noise; worse, though tied
-            // in speed.
-            mark(6.3, 9.0, false),
-            mark(6.1, 9.0, false),
-            mark(6.9, 10.0, false),
+            ("a", QUIET, zeros),
+            ("b", BAD, &[1.0, 2.0]),
+            ("c", QUIET, zeros),
+            ("d", QUIET, zeros),
+            ("e", BAD, &[1.0, 2.0]),
+            ("f", QUIET, &[0.0, 1.0]),
+            ("g", QUIET, zeros),
+            ("h", QUIET, &[]),
         ];
-        let placed: Vec<PlacedMark> =
-            all.iter().enumerate().map(|(series, mark)| PlacedMark { series, mark, at: (0, 0) }).collect();
-        let frontier = frontier(&placed);
-        assert_eq!(frontier.iter().map(|placed| placed.series).collect::<Vec<_>>(), [0, 4, 2]);
-        assert_eq!(with_ties(&placed, &frontier), [0, 2, 4, 5]);
+        let labels: Vec<_> = panel(&all).lines().into_iter().map(|line| line.label.join(" ")).collect();
+        assert_eq!(labels, ["a c and 2 more", "b e", "f", "not measured: h"]);
+    }
+
+    #[test]
+    fn a_zero_is_drawn_hollow_below_every_measured_value() {
+        // One event in a base where zero has the bound 3 is less than the bound, and still above the zero.
+        let all: [(&str, RGBColor, &[f64]); 2] = [("zero", QUIET, &[0.0, 0.0]), ("one", BAD, &[1.0, 0.4])];
+        let x = XAxis { axis: LogAxis::through(&[1.0, 10.0]), title: String::new(), tick: |x| x.to_string() };
+        let stack = Stack { panels: vec![panel(&all)], x };
+        let width = stack.width();
+        let svg = super::super::canvas::canvas((width, stack.height(width)), |root| stack.draw(root, 0, width));
+        let centers = |look: &str| -> Vec<i32> {
+            let circles = svg.lines().filter(|line| line.starts_with("<circle") && line.contains(look));
+            circles.filter_map(|line| line.split(" cy=\"").nth(1)?.split('"').next()?.parse().ok()).collect()
+        };
+        let (zeros, measured) = (centers("stroke=\"#949DA6\""), centers("fill=\"#C8321A\""));
+        assert!(zeros.len() == 2 && measured.len() == 2, "{svg}");
+        assert!(zeros.iter().all(|zero| measured.iter().all(|value| value + 8 < *zero)), "{zeros:?} {measured:?}");
     }
 }

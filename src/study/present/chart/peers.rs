@@ -3,33 +3,37 @@
 use super::axis::LogAxis;
 use super::canvas::{canvas, header, header_height, machine};
 use super::layout::MARGIN;
-use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
+use super::look::Look;
+use super::panel::{Mark, Panel, Series, Stack, XAxis};
 use crate::study::figures::number;
 use crate::study::figures::peers::fastest;
 use crate::study::measure::ray_sets::NAMES;
 use crate::study::record::{PeerRow, Record};
 
-const TITLE: &str = "Rays per second of raylanes and its peers: up is faster";
+const TITLE: &str = "Rays per second: raylanes and its peers";
 
 /// Draws a panel for each scene, with one-thread figures.
 pub(super) fn svg(record: &Record) -> String {
-    let scenes: Vec<_> = record.peers.chunk_by(|a, b| a.scene == b.scene).collect();
-    let panels: Vec<_> = scenes.iter().map(|rows| panel(rows)).collect();
-    let (plot, width) = widths(panels.iter());
+    let scenes = record.peers.chunk_by(|a, b| a.scene == b.scene);
+    // Sets of rays are no numbers. On the logarithmic axis, each gets a power of ten, so they are equally far apart.
+    let x = XAxis {
+        axis: LogAxis::through(&NAMES.map(position)),
+        title: "sets of rays, from coherent to incoherent".into(),
+        tick: |x| NAMES.into_iter().find(|name| position(name) == x).map(short).unwrap_or_default().into(),
+    };
+    let stack = Stack { panels: scenes.map(panel).collect(), x };
+    let width = stack.width();
     let remarks = [machine(record) + ", one thread"];
     let top = header_height(width, TITLE, &remarks);
-    // Sets of rays are no numbers. On the logarithmic axis, each gets a power of ten, so they are equally far apart.
-    let positions = NAMES.map(position);
-    canvas((width, top + stack_height(&panels) + MARGIN), |root| {
+    canvas((width, top + stack.height(width) + MARGIN), |root| {
         header(root, width, TITLE, &remarks)?;
-        let name = |&x: &f64| NAMES.into_iter().find(|name| position(name) == x);
-        let x = XAxis {
-            axis: LogAxis::through(&positions),
-            title: "sets of rays, from coherent to incoherent".into(),
-            tick: &|x| name(&x).unwrap_or_default().into(),
-        };
-        draw_stack(root, &panels, &x, top, plot)
+        stack.draw(root, top, width)
     })
+}
+
+/// The name of a set of rays, short enough for an axis.
+fn short(set: &str) -> &str {
+    set.strip_prefix("ambient ").unwrap_or(set)
 }
 
 /// The position of a set of rays on the axis.
@@ -43,7 +47,11 @@ fn panel(rows: &[PeerRow]) -> Panel<'_> {
     for row in rows.chunk_by(|a, b| a.rays == b.rays).flat_map(fastest) {
         let of_tracer = match series.iter().position(|series| series.name == row.tracer) {
             Some(number) => &mut series[number],
-            None => series.push_mut(Series { id: &row.tracer, name: &row.tracer, marks: Vec::new() }),
+            None => {
+                let look = Look::of_category(series.len());
+                let (id, name) = (&row.tracer, &row.tracer);
+                series.push_mut(Series { id, name, look, emphasised: true, marks: Vec::new() })
+            }
         };
         if row.mrays_per_second > 0.0 && row.mrays_per_second.is_finite() {
             // Marks of non-consecutive steps are not joined by a line.
@@ -56,14 +64,13 @@ fn panel(rows: &[PeerRow]) -> Panel<'_> {
                 number(value, 3),
                 number(row.mrays_per_second_mad, 1)
             );
-            of_tracer.marks.push(Mark { step, x, spread: None, value, bound: false, size: 6, tooltip });
+            of_tracer.marks.push(Mark { step, x, value, bound: None, tooltip });
         }
     }
     Panel {
         title: format!("{}: million rays per second", rows[0].scene),
         possible: 0.0..=f64::INFINITY,
         threshold: None,
-        frontier: false,
         series,
     }
 }
@@ -91,7 +98,7 @@ mod tests {
         rows.extend(rows.iter().map(elsewhere).collect::<Vec<_>>());
         record.peers = rows;
         let svg = svg(&record);
-        for (text, times) in [(OURS, 2), (EMBREE, 2), ("bounce", 1), ("ambient occlusion", 1)] {
+        for (text, times) in [(OURS, 2), (EMBREE, 2), ("bounce", 1), ("occlusion", 1)] {
             assert_eq!(svg.matches(&format!(">{text}<")).count(), times, "{text}");
         }
         let panel = panel(&record.peers[..16]);

@@ -3,27 +3,28 @@
 use super::axis::LogAxis;
 use super::canvas::{canvas, header, header_height, machine};
 use super::layout::MARGIN;
-use super::panel::{Mark, Panel, Series, XAxis, draw_stack, stack_height, widths};
+use super::look::Look;
+use super::palette::INK;
+use super::panel::{Mark, Panel, Series, Stack, XAxis};
 use crate::study::figures::tracer::Growth;
 use crate::study::figures::{count, number, si};
 use crate::study::record::{Record, ScalingRow};
 
-const TITLE: &str = "Size: cost of a ray in a landscape with more and more triangles";
-const MARK: i32 = 5;
+const TITLE: &str = "Cost of a ray as a landscape grows";
 
 /// Draws cost, build time and memory against the number of triangles.
 pub(super) fn svg(record: &Record) -> String {
     let all = Growth::all(record);
-    let panels = panels(&all);
-    let (plot, width) = widths(panels.iter());
+    let sizes: Vec<f64> = all.first().map_or(Vec::new(), |growth| growth.rows.iter().map(|row| size(row)).collect());
+    let x =
+        XAxis { axis: LogAxis::through(&sizes), title: "triangles of the landscape".into(), tick: |size| si(size, 1) };
+    let stack = Stack { panels: panels(&all).into(), x };
+    let width = stack.width();
     let remarks = [machine(record) + ", mode auto, one thread; built on all threads"];
     let top = header_height(width, TITLE, &remarks);
-    let sizes: Vec<f64> = all.first().map_or(Vec::new(), |growth| growth.rows.iter().map(|row| size(row)).collect());
-    canvas((width, top + stack_height(&panels) + MARGIN), |root| {
+    canvas((width, top + stack.height(width) + MARGIN), |root| {
         let top = header(root, width, TITLE, &remarks)?;
-        let x =
-            XAxis { axis: LogAxis::through(&sizes), title: "triangles".into(), tick: &|triangles| si(triangles, 1) };
-        draw_stack(root, &panels, &x, top, plot)
+        stack.draw(root, top, width)
     })
 }
 
@@ -32,25 +33,23 @@ fn size(row: &ScalingRow) -> f64 {
 }
 
 fn panels<'a>(all: &[Growth<'a>]) -> [Panel<'a>; 3] {
-    let panel = |title: &str, series| Panel {
-        title: title.into(),
-        possible: 0.0..=f64::INFINITY,
-        threshold: None,
-        frontier: false,
-        series,
-    };
+    let panel =
+        |title: &str, series| Panel { title: title.into(), possible: 0.0..=f64::INFINITY, threshold: None, series };
     // Build time and memory are the same for all sets of rays, so the first set is enough.
     let of_scene = |name, unit, figure: fn(&ScalingRow) -> f64| {
         let rows = all.first().map(|growth| growth.rows.as_slice()).unwrap_or_default();
-        vec![Series { id: name, name, marks: marks(rows, unit, figure) }]
+        vec![Series { id: name, name, look: Look::new(INK, 0), emphasised: true, marks: marks(rows, unit, figure) }]
     };
     [
         panel(
             "nanoseconds per ray",
             all.iter()
-                .map(|growth| Series {
+                .enumerate()
+                .map(|(number, growth)| Series {
                     id: growth.rays,
                     name: growth.rays,
+                    look: Look::of_category(number),
+                    emphasised: true,
                     marks: marks(&growth.rows, "ns per ray", |row| row.ns_per_ray),
                 })
                 .collect(),
@@ -67,7 +66,7 @@ fn marks(rows: &[&ScalingRow], unit: &str, figure: fn(&ScalingRow) -> f64) -> Ve
     let mark = |(step, row): (usize, &&ScalingRow)| {
         let value = Some(figure(row)).filter(|&value| value > 0.0 && value.is_finite())?;
         let tooltip = format!("{} triangles: {} {unit}", count(row.triangles as u64), number(value, 3));
-        Some(Mark { step, x: size(row), spread: None, value, bound: false, size: MARK, tooltip })
+        Some(Mark { step, x: size(row), value, bound: None, tooltip })
     };
     rows.iter().enumerate().filter_map(mark).collect()
 }

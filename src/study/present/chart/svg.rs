@@ -1,8 +1,9 @@
 //! The SVG backend that plotters draws with. The one that comes with plotters writes one element for each dash, repeats
 //! all attributes, and has no tooltips. This one joins consecutive paths of the same style, leaves out attributes with
-//! default values, and collects [hover targets](super::hover).
+//! default values, names its colours so that pages can replace them, and collects [hover targets](super::hover).
 
 use super::layout::{Pixel, TEXT};
+use super::palette;
 use std::convert::Infallible;
 use std::fmt::Write;
 
@@ -26,8 +27,8 @@ pub(super) struct Svg<'a> {
     path: (String, String),
     /// All subjects (see [`SubjectGroup`]), in the order of their first appearance.
     subjects: Vec<String>,
-    /// The subject that is being drawn.
-    subject: Option<usize>,
+    /// The subjects that are being drawn.
+    group: Vec<usize>,
     hover: String,
 }
 
@@ -39,7 +40,7 @@ impl<'a> Svg<'a> {
             body: String::new(),
             path: Default::default(),
             subjects: Vec::new(),
-            subject: None,
+            group: Vec::new(),
             hover: String::new(),
         }
     }
@@ -85,12 +86,12 @@ impl<'a> Svg<'a> {
         }
     }
 
-    fn stroke<S: BackendStyle>(&mut self, points: impl IntoIterator<Item = Pixel>, style: &S, more: &str) -> Done {
+    fn stroke<S: BackendStyle>(&mut self, points: impl IntoIterator<Item = Pixel>, style: &S) -> Done {
         let width = match style.stroke_width() {
             1 => String::new(),
             width => format!(" stroke-width=\"{width}\""),
         };
-        let attributes = format!("{}{width}{more}", paint("stroke", style.color()));
+        let attributes = paint("stroke", style.color()) + &width;
         self.path(style.color(), attributes, &joined(points))
     }
 }
@@ -115,16 +116,12 @@ fn joined(points: impl IntoIterator<Item = Pixel>) -> String {
     data
 }
 
-/// The attributes of a fill or a stroke.
+/// The attributes of a fill or a stroke. A colour of the palette also gets its class.
 fn paint(attribute: &str, color: BackendColor) -> String {
-    let (r, g, b) = color.rgb;
     let opacity = if color.alpha < 1.0 { format!(" opacity=\"{}\"", color.alpha) } else { String::new() };
-    // SVG has a short form for pairs of equal digits.
-    let color = match [r, g, b] {
-        rgb if rgb.iter().all(|value| value % 17 == 0) => format!("{:X}{:X}{:X}", r / 17, g / 17, b / 17),
-        _ => format!("{r:02X}{g:02X}{b:02X}"),
-    };
-    format!(" {attribute}=\"#{color}\"{opacity}")
+    let class = palette::name_of(color.rgb);
+    let class = class.map_or(String::new(), |name| format!(" class=\"{}-{name}\"", &attribute[..1]));
+    format!(" {attribute}=\"{}\"{opacity}{class}", palette::hex(color.rgb))
 }
 
 /// Text with special characters escaped for XML and HTML, also within attributes.
@@ -145,7 +142,7 @@ impl DrawingBackend for Svg<'_> {
 
     fn present(&mut self) -> Done {
         self.end_path();
-        debug_assert!(self.subject.is_none(), "the last subject group must be ended");
+        debug_assert!(self.group.is_empty(), "the last subject group must be ended");
         let (width, height) = self.size;
         *self.target = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
@@ -164,7 +161,7 @@ impl DrawingBackend for Svg<'_> {
     }
 
     fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Done {
-        self.stroke([from, to], style, "")
+        self.stroke([from, to], style)
     }
 
     fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, fill: bool) -> Done {
@@ -174,7 +171,7 @@ impl DrawingBackend for Svg<'_> {
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Done {
-        self.stroke(path, style, "")
+        self.stroke(path, style)
     }
 
     fn draw_circle<S: BackendStyle>(&mut self, (x, y): BackendCoord, radius: u32, style: &S, fill: bool) -> Done {
@@ -191,6 +188,9 @@ impl DrawingBackend for Svg<'_> {
     }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Done {
+        if text.is_empty() {
+            return Ok(());
+        }
         let anchor = match style.anchor().h_pos {
             HPos::Left => "",
             HPos::Center => " text-anchor=\"middle\"",
@@ -213,9 +213,9 @@ impl DrawingBackend for Svg<'_> {
     }
 }
 
-/// Starts the elements of a subject, such as a kernel, or of none. Elements of one subject form groups with its number,
-/// so that a script can tell them from others.
-pub(super) struct SubjectGroup<'a>(pub(super) Option<&'a str>);
+/// Starts the elements of some subjects, such as kernels, or of none. Elements of the same subjects form groups with
+/// their numbers, so that a script can tell them from others.
+pub(super) struct SubjectGroup<'a>(pub(super) &'a [&'a str]);
 
 impl<'a> PointCollection<'a, Pixel> for &'a SubjectGroup<'_> {
     type Point = Pixel;
@@ -228,45 +228,19 @@ impl<'a> PointCollection<'a, Pixel> for &'a SubjectGroup<'_> {
 
 impl Drawable<Svg<'_>> for SubjectGroup<'_> {
     fn draw<I: Iterator<Item = Pixel>>(&self, _: I, svg: &mut Svg, _: (u32, u32)) -> Done {
-        let subject = self.0.map(|subject| svg.number_of(subject));
-        if subject == svg.subject {
+        let group: Vec<_> = self.0.iter().map(|subject| svg.number_of(subject)).collect();
+        if group == svg.group {
             return Ok(());
         }
-        if svg.subject.is_some() {
+        if !svg.group.is_empty() {
             svg.element("</g>")?;
         }
-        svg.subject = subject;
-        subject.map_or(Ok(()), |number| svg.element(&format!("<g data-of=\"{number}\">")))
-    }
-}
-
-/// A dashed line.
-pub(super) struct Dashed<'a, S> {
-    pub(super) points: &'a [Pixel],
-    pub(super) style: S,
-    /// Lengths of dashes and gaps in pixels, alternating. Empty for a solid line.
-    pub(super) pattern: &'a [f64],
-    /// Length of the pattern, in pixels, that is skipped at the start of the line.
-    pub(super) phase: f64,
-}
-
-impl<'a, S> PointCollection<'a, Pixel> for &'a Dashed<'_, S> {
-    type Point = &'a Pixel;
-    type IntoIter = &'a [Pixel];
-
-    fn point_iter(self) -> Self::IntoIter {
-        self.points
-    }
-}
-
-impl<S: BackendStyle> Drawable<Svg<'_>> for Dashed<'_, S> {
-    fn draw<I: Iterator<Item = Pixel>>(&self, points: I, svg: &mut Svg, _: (u32, u32)) -> Done {
-        if self.pattern.is_empty() {
-            return svg.stroke(points, &self.style, "");
+        svg.group = group;
+        if svg.group.is_empty() {
+            return Ok(());
         }
-        let pattern = self.pattern.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-        let phase = if self.phase == 0.0 { String::new() } else { format!(" stroke-dashoffset=\"{}\"", self.phase) };
-        svg.stroke(points, &self.style, &format!(" stroke-dasharray=\"{pattern}\"{phase}"))
+        let numbers: Vec<_> = svg.group.iter().map(usize::to_string).collect();
+        svg.element(&format!("<g data-of=\"{}\">", numbers.join(" ")))
     }
 }
 
@@ -302,17 +276,28 @@ mod tests {
     }
 
     #[test]
+    fn colours_of_the_palette_have_their_class() {
+        let svg = canvas((100, 50), |root| root.draw_text("a", &label(TEXT, palette::INK), (1, 2)));
+        assert!(
+            svg.contains(" fill=\"#FFF\" class=\"f-page\"") && svg.contains(" fill=\"#1F2328\" class=\"f-ink\">a<")
+        );
+        let style = palette::file_style(&svg);
+        assert_eq!(style, "@media(prefers-color-scheme:dark){.f-ink{fill:#E2E6EA}.f-page{fill:#14171A}}");
+    }
+
+    #[test]
     fn elements_of_a_subject_are_grouped_under_its_number() {
-        let text = |root: &Area, subject| {
-            root.draw(&SubjectGroup(subject))?;
+        let text = |root: &Area, subjects: &[&str]| {
+            root.draw(&SubjectGroup(subjects))?;
             root.draw_text("<&>", &label(TEXT, BLACK), (1, 2))
         };
         let svg = canvas((100, 50), |root| {
-            [Some("a"), Some("a"), Some("b"), None, Some("a"), None].iter().try_for_each(|subject| text(root, *subject))
+            let groups: [&[&str]; 6] = [&["a"], &["a"], &["b"], &[], &["b", "a"], &[]];
+            groups.into_iter().try_for_each(|subjects| text(root, subjects))
         });
         let grouped =
             svg.replace("<text x=\"1\" y=\"2\" dy=\"0.5ex\" fill=\"#000\">&lt;&amp;&gt;</text>", "T").replace('\n', "");
         let (_, body) = grouped.split_once("z\"/>").unwrap();
-        assert_eq!(body, "<g data-of=\"0\">TT</g><g data-of=\"1\">T</g>T<g data-of=\"0\">T</g>T</svg>",);
+        assert_eq!(body, "<g data-of=\"0\">TT</g><g data-of=\"1\">T</g>T<g data-of=\"1 0\">T</g>T</svg>",);
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use pulldown_cmark::html::push_html;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
-use crate::study::present::chart::{Chart, escaped};
+use crate::study::present::chart::{Chart, escaped, page_style};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -53,9 +53,10 @@ pub(crate) fn report_html(markdown: &str, charts: &[Chart]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{contents}<main>\n{body}</main>\n\
+         <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n{contents}<main>\n{body}</main>\n\
          <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
         title = escaped(title),
+        colors = page_style(),
         contents = contents(&headings),
     )
 }

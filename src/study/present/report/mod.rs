@@ -15,7 +15,7 @@ mod tracer;
 pub(crate) use html::report_html;
 
 use crate::study::figures::groups;
-use crate::study::present::chart::{PEERS, SPEED_ACCURACY};
+use crate::study::present::chart::{ON_SCENES, PEERS, SPEED_ACCURACY};
 use crate::study::present::{peers, verdict};
 use crate::study::record::{Record, date};
 
@@ -25,7 +25,10 @@ pub(crate) fn answer_markdown(record: &Record) -> String {
     let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
     let mut parts = vec![title(record, "Which ray-intersection kernel to use")];
     parts.extend(verdict::verdict_list(record, &groups));
-    parts.push(format!("![Speed against wrong answers, kernel by kernel]({SPEED_ACCURACY})"));
+    if !record.on_scenes.is_empty() {
+        parts.push(format!("![The same scenes with every kernel: speed, lost rays, false hits]({ON_SCENES})"));
+    }
+    parts.push(format!("![Single tests: speed, lost rays, false or double hits]({SPEED_ACCURACY})"));
     parts.extend([answer::what_fails(record, &base)]);
     parts.extend(answer::how_to_choose(&base));
     parts.extend(verdict::noise(record, &groups).map(|noise| format!("## How sure this is\n\n{noise}")));

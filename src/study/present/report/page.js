@@ -56,7 +56,7 @@
       const svg = mark.ownerSVGElement;
       const subjects = mark.dataset.of.split(" ");
       for (const group of svg.querySelectorAll("g[data-of]")) {
-        group.classList.toggle("meant", subjects.includes(group.dataset.of));
+        group.classList.toggle("meant", group.dataset.of.split(" ").some((of) => subjects.includes(of)));
       }
       svg.classList.add("pointed");
       mark.classList.add("meant");
