@@ -14,7 +14,7 @@ use raylanes::study::claims;
 use raylanes::study::coherence::JITTERS;
 use raylanes::study::ray_sets;
 use raylanes::study::record::{AccuracyRow, ClaimRow, CoherenceRow, Record};
-use raylanes::study::workload::{Regime, Subject, Workload};
+use raylanes::study::workload::{Counts, Regime, Subject, Workload};
 use raylanes::study::{self, Options, Progress, TracerKernel};
 use raylanes::tracer::{Mode, SceneSource};
 
@@ -193,7 +193,9 @@ fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
 
 #[test]
 fn triangles_keep_what_they_claim() {
-    hold_to_claims::<Triangle>(|regime| regime.mesh || regime.name == "leaving");
+    // No claim is about the horizon, and its rays are slow.
+    let is_mesh = |regime: &Regime<Triangle>| regime.counts == Counts::Mesh && regime.name != "horizon";
+    hold_to_claims::<Triangle>(|regime| regime.name == "leaving" || is_mesh(regime));
 }
 
 #[test]
