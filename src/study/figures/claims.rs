@@ -37,6 +37,9 @@ fn families(claim: Claim) -> &'static [&'static str] {
         Claim::Conservative => &[Aabb::FAMILY],
         Claim::RightDecision => &[Triangle::FAMILY, Quadric::FAMILY],
         Claim::NoGrossError => &[Quadric::FAMILY],
+        // No ray of the regime `silhouette` breaks it for `triangle/woop_half_open`, which does not claim it. Lines of
+        // `tests/watertight.rs` do.
+        Claim::EvenCrossings => &[],
     }
 }
 

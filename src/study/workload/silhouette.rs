@@ -1,7 +1,7 @@
 //! Closed meshes seen from outside, and rays close to their silhouettes, where a front meets a back.
 //!
 //! A ray past a silhouette may miss both triangles, so a miss is no leak. And a ray that loses the front still hits the
-//! back, which no count of leaks sees. But it then hits an odd number of triangles, and no ray that starts outside does.
+//! back, which no count of leaks sees. But it then hits an odd number of triangles. No ray that starts outside does.
 
 use glam::Vec3;
 use rand::RngExt;
