@@ -13,11 +13,11 @@ use crate::kernels::aabb::{CenterRadius, Division, Padded, Reciprocal, SignSelec
 use crate::kernels::instance::{Baked, Instance, Inverse, SubtractFirstF64};
 use crate::kernels::quadric::{Mixed, Naive, QuadricF64, QuadricInterval, Sphere, Stable};
 use crate::kernels::triangle::{
-    BaldwinWeber, Cramer, Exact, ExactHalfOpen, ExactT, KenslerShirley, MollerTrumbore, MollerTrumboreF64, Pluecker,
-    Woop, WoopHalfOpen,
+    BaldwinWeber, Cramer, EmbreeMoller, EmbreePluecker, Exact, ExactHalfOpen, ExactT, KenslerShirley, MollerTrumbore,
+    MollerTrumboreEpsilon, MollerTrumboreF64, Pluecker, Woop, WoopHalfOpen,
 };
 #[cfg(fused)]
-use crate::kernels::triangle::{ExactFused, WoopDop};
+use crate::kernels::triangle::{ExactFused, PbrtWoop, WoopDop};
 use crate::kernels::{Kernel, Shape};
 
 /// Something that is done with every kernel for shapes of type `S`.
@@ -42,13 +42,18 @@ pub fn boxes(visitor: &mut impl Visitor<Aabb>) {
 pub fn triangles(visitor: &mut impl Visitor<Triangle>) {
     visitor.visit::<Cramer<f32>>();
     visitor.visit::<MollerTrumbore<f32>>();
+    visitor.visit::<MollerTrumboreEpsilon<f32>>();
     visitor.visit::<KenslerShirley<f32>>();
+    visitor.visit::<EmbreeMoller<f32>>();
     visitor.visit::<BaldwinWeber<f32>>();
     visitor.visit::<Pluecker<f32>>();
+    visitor.visit::<EmbreePluecker<f32>>();
     visitor.visit::<Woop<f32>>();
     visitor.visit::<WoopHalfOpen<f32>>();
     #[cfg(fused)]
     visitor.visit::<WoopDop<f32>>();
+    #[cfg(fused)]
+    visitor.visit::<PbrtWoop<f32>>();
     visitor.visit::<MollerTrumboreF64<f32>>();
     visitor.visit::<Exact<f32>>();
     visitor.visit::<ExactHalfOpen<f32>>();
@@ -155,8 +160,9 @@ pub struct Absent {
 /// The kernels that this build does not have, each with the reason.
 pub fn absent() -> &'static [Absent] {
     const REASON: &str = "needs fused multiply-add, which this build does not have (target features avx, fma)";
-    const FUSED: [Absent; 3] = [
+    const FUSED: [Absent; 4] = [
         Absent { id: "triangle/woop_dop", reason: REASON },
+        Absent { id: "triangle/pbrt_woop", reason: REASON },
         Absent { id: "triangle/exact_fused", reason: REASON },
         Absent { id: "aabb/fused", reason: REASON },
     ];

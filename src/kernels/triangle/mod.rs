@@ -9,6 +9,8 @@
 
 pub mod baldwin_weber;
 pub mod cramer;
+pub mod embree_moller;
+pub mod embree_pluecker;
 pub mod exact;
 #[cfg(any(fused, doc))]
 pub mod exact_fused;
@@ -16,7 +18,10 @@ pub mod exact_half_open;
 pub mod exact_t;
 pub mod kensler_shirley;
 pub mod moller_trumbore;
+pub mod moller_trumbore_epsilon;
 pub mod moller_trumbore_f64;
+#[cfg(any(fused, doc))]
+pub mod pbrt_woop;
 pub mod pluecker;
 pub mod woop;
 #[cfg(any(fused, doc))]
@@ -27,6 +32,10 @@ pub mod woop_half_open;
 pub use baldwin_weber::BaldwinWeber;
 #[doc(inline)]
 pub use cramer::Cramer;
+#[doc(inline)]
+pub use embree_moller::EmbreeMoller;
+#[doc(inline)]
+pub use embree_pluecker::EmbreePluecker;
 #[doc(inline)]
 pub use exact::Exact;
 #[cfg(any(fused, doc))]
@@ -41,7 +50,12 @@ pub use kensler_shirley::KenslerShirley;
 #[doc(inline)]
 pub use moller_trumbore::MollerTrumbore;
 #[doc(inline)]
+pub use moller_trumbore_epsilon::MollerTrumboreEpsilon;
+#[doc(inline)]
 pub use moller_trumbore_f64::MollerTrumboreF64;
+#[cfg(any(fused, doc))]
+#[doc(inline)]
+pub use pbrt_woop::PbrtWoop;
 #[doc(inline)]
 pub use pluecker::Pluecker;
 #[doc(inline)]

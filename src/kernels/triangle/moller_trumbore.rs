@@ -30,8 +30,8 @@ prepared! {
     /// Triangles for the Möller–Trumbore test: a vertex and the two edges that leave it.
     pub struct MollerTrumbore<P: Lanes> {
         v0: P::Vec3,
-        e1: P::Vec3,
-        e2: P::Vec3,
+        pub(super) e1: P::Vec3,
+        pub(super) e2: P::Vec3,
     }
 }
 

@@ -231,7 +231,7 @@ pub struct Shear {
     x: f32,
     y: f32,
     /// `1 / dir` along the axis, or NaN for a ray that misses everything.
-    z: f32,
+    pub(super) z: f32,
 }
 
 /// [`Shear`] in eight lanes.
@@ -243,7 +243,7 @@ pub struct Shear8 {
     axis: usize,
     x: f32x8,
     y: f32x8,
-    z: f32x8,
+    pub(super) z: f32x8,
 }
 
 /// Cycles the coordinates so that the one of `axis` comes last.
@@ -352,17 +352,17 @@ impl Shear8 {
 /// direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheared {
-    a: Vec3,
-    b: Vec3,
-    c: Vec3,
+    pub(super) a: Vec3,
+    pub(super) b: Vec3,
+    pub(super) c: Vec3,
 }
 
 /// [`Sheared`] in eight lanes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheared8 {
-    a: Vec3x8,
-    b: Vec3x8,
-    c: Vec3x8,
+    pub(super) a: Vec3x8,
+    pub(super) b: Vec3x8,
+    pub(super) c: Vec3x8,
 }
 
 #[inline(always)]

@@ -68,7 +68,7 @@ impl Kernel for WoopDop<f32> {
 
 /// `p.x·q.y - p.y·q.x` with a relative error of at most 2ε.
 #[inline(always)]
-fn difference((p, q): (Vec3, Vec3)) -> f32 {
+pub(super) fn difference((p, q): (Vec3, Vec3)) -> f32 {
     // Round one product and recover its rounding error.
     let product = p.y * q.x;
     let lost = mul_add(-p.y, q.x, product);
@@ -78,7 +78,7 @@ fn difference((p, q): (Vec3, Vec3)) -> f32 {
 
 /// [`difference`] in eight lanes.
 #[inline(always)]
-fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
+pub(super) fn difference8((p, q): (Vec3x8, Vec3x8)) -> f32x8 {
     // Round one product and recover its rounding error.
     let product = p.y * q.x;
     let lost = mul_add8(-p.y, q.x, product);

@@ -29,11 +29,7 @@ fn concerns(claim: Claim, family: &str, row: &AccuracyRow) -> bool {
 /// The families whose kernels can make a claim, as far as the study tests it.
 fn families(claim: Claim) -> &'static [&'static str] {
     match claim {
-        Claim::EdgeWatertight
-        | Claim::VertexWatertight
-        | Claim::SingleHit
-        | Claim::EvenCrossings
-        | Claim::NoHitBehind => &[Triangle::FAMILY],
+        Claim::EdgeWatertight | Claim::VertexWatertight | Claim::SingleHit | Claim::NoHitBehind => &[Triangle::FAMILY],
         Claim::Conservative => &[Aabb::FAMILY],
         Claim::RightDecision => &[Triangle::FAMILY, Quadric::FAMILY],
         Claim::NoGrossError => &[Quadric::FAMILY],
