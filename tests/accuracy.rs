@@ -183,23 +183,14 @@ fn figures_of_hits(errors: &HitErrors) -> String {
     let &HitErrors {
         measured_hits,
         ray_point_size_p99,
-        ray_point_size_max,
         ray_point_scene_p99,
-        ray_point_scene_max,
         uv_point_size_p99,
-        uv_point_size_max,
         uv_point_scene_p99,
-        uv_point_scene_max,
         ray_height_size_p99,
-        ray_height_size_max,
         ray_height_scene_p99,
-        ray_height_scene_max,
         uv_height_size_p99,
-        uv_height_size_max,
         uv_height_scene_p99,
-        uv_height_scene_max,
         normal_error_p99,
-        normal_error_max,
         t_backward_p99,
         leaving_rays,
         own_hit_offset_per_million,
@@ -212,21 +203,19 @@ fn figures_of_hits(errors: &HitErrors) -> String {
         return String::new();
     }
     let mut text = format!(", measured {measured_hits}");
-    let mut lengths = |name, size: [Option<f64>; 2], scene: [Option<f64>; 2]| {
+    let mut lengths = |name, size: Option<f64>, scene: Option<f64>| {
         // Without a number the shape has no such point.
-        if size.iter().chain(&scene).any(Option::is_some) {
-            let [size_p99, size_max, scene_p99, scene_max] =
-                [size[0], size[1], scene[0], scene[1]].map(|error| error.unwrap_or(f64::INFINITY));
-            write!(text, ", {name} size_p99 {size_p99:e} size_max {size_max:e}").unwrap();
-            write!(text, " scene_p99 {scene_p99:e} scene_max {scene_max:e}").unwrap();
+        if size.or(scene).is_some() {
+            let [size, scene] = [size, scene].map(|error| error.unwrap_or(f64::INFINITY));
+            write!(text, ", {name} size_p99 {size:e} scene_p99 {scene:e}").unwrap();
         }
     };
-    lengths("ray_point", [ray_point_size_p99, ray_point_size_max], [ray_point_scene_p99, ray_point_scene_max]);
-    lengths("uv_point", [uv_point_size_p99, uv_point_size_max], [uv_point_scene_p99, uv_point_scene_max]);
-    lengths("ray_height", [ray_height_size_p99, ray_height_size_max], [ray_height_scene_p99, ray_height_scene_max]);
-    lengths("uv_height", [uv_height_size_p99, uv_height_size_max], [uv_height_scene_p99, uv_height_scene_max]);
-    if let (Some(p99), Some(max)) = (normal_error_p99, normal_error_max) {
-        write!(text, ", normal p99 {p99:e} max {max:e}").unwrap();
+    lengths("ray_point", ray_point_size_p99, ray_point_scene_p99);
+    lengths("uv_point", uv_point_size_p99, uv_point_scene_p99);
+    lengths("ray_height", ray_height_size_p99, ray_height_scene_p99);
+    lengths("uv_height", uv_height_size_p99, uv_height_scene_p99);
+    if let Some(p99) = normal_error_p99 {
+        write!(text, ", normal p99 {p99:e}").unwrap();
     }
     if let Some(p99) = t_backward_p99 {
         write!(text, ", backward p99 {p99:e}").unwrap();

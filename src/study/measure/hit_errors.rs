@@ -263,39 +263,30 @@ impl HitErrorTally {
     }
 
     pub(super) fn row(&self) -> HitErrors {
-        let [ray_point_size_p99, ray_point_size_max] = self.quantiles(|hit| Some(hit.ray_point / hit.size));
-        let [ray_point_scene_p99, ray_point_scene_max] = self.quantiles(|hit| Some(hit.ray_point / hit.scene));
-        let [uv_point_size_p99, uv_point_size_max] = self.quantiles(|hit| Some(hit.uv_point? / hit.size));
-        let [uv_point_scene_p99, uv_point_scene_max] = self.quantiles(|hit| Some(hit.uv_point? / hit.scene));
-        let [ray_height_size_p99, ray_height_size_max] = self.quantiles(|hit| Some(hit.ray_height? / hit.size));
-        let [ray_height_scene_p99, ray_height_scene_max] = self.quantiles(|hit| Some(hit.ray_height? / hit.scene));
-        let [uv_height_size_p99, uv_height_size_max] = self.quantiles(|hit| Some(hit.uv_height? / hit.size));
-        let [uv_height_scene_p99, uv_height_scene_max] = self.quantiles(|hit| Some(hit.uv_height? / hit.scene));
-        let [normal_error_p99, normal_error_max] = self.quantiles(|hit| hit.normal);
-        let [t_backward_p99, _] = self.quantiles(|hit| hit.t_backward);
+        let ray_point_size_p99 = self.p99(|hit| Some(hit.ray_point / hit.size));
+        let ray_point_scene_p99 = self.p99(|hit| Some(hit.ray_point / hit.scene));
+        let uv_point_size_p99 = self.p99(|hit| Some(hit.uv_point? / hit.size));
+        let uv_point_scene_p99 = self.p99(|hit| Some(hit.uv_point? / hit.scene));
+        let ray_height_size_p99 = self.p99(|hit| Some(hit.ray_height? / hit.size));
+        let ray_height_scene_p99 = self.p99(|hit| Some(hit.ray_height? / hit.scene));
+        let uv_height_size_p99 = self.p99(|hit| Some(hit.uv_height? / hit.size));
+        let uv_height_scene_p99 = self.p99(|hit| Some(hit.uv_height? / hit.scene));
+        let normal_error_p99 = self.p99(|hit| hit.normal);
+        let t_backward_p99 = self.p99(|hit| hit.t_backward);
         let left = || self.0.iter().filter_map(|hit| hit.own_hits);
         let leaving_rays = left().count() as u64;
         let own = |way: usize| per_million(left().filter(|own| own[way]).count() as u64, leaving_rays);
         HitErrors {
             measured_hits: self.0.len() as u64,
             ray_point_size_p99,
-            ray_point_size_max,
             ray_point_scene_p99,
-            ray_point_scene_max,
             uv_point_size_p99,
-            uv_point_size_max,
             uv_point_scene_p99,
-            uv_point_scene_max,
             ray_height_size_p99,
-            ray_height_size_max,
             ray_height_scene_p99,
-            ray_height_scene_max,
             uv_height_size_p99,
-            uv_height_size_max,
             uv_height_scene_p99,
-            uv_height_scene_max,
             normal_error_p99,
-            normal_error_max,
             t_backward_p99,
             leaving_rays,
             own_hit_offset_per_million: own(0),
@@ -305,18 +296,17 @@ impl HitErrorTally {
         }
     }
 
-    /// 99th percentile and maximum, to four digits. `None` if no hit has the error, or if it is infinite.
-    fn quantiles(&self, error: impl Fn(&HitError) -> Option<f64>) -> [Option<f64>; 2] {
+    /// 99th percentile, to four digits. `None` if no hit has the error, or if it is infinite.
+    fn p99(&self, error: impl Fn(&HitError) -> Option<f64>) -> Option<f64> {
         // The point of an infinite `t` is not a number.
         let or_infinite = |error: f64| if error.is_nan() { f64::INFINITY } else { error };
         let mut errors: Vec<f64> = self.0.iter().filter_map(error).map(or_infinite).collect();
         if errors.is_empty() {
-            return [None; 2];
+            return None;
         }
         let index = quantile(0.99, errors.len());
-        let (_, &mut p99, above) = errors.select_nth_unstable_by(index, f64::total_cmp);
-        let max = above.iter().copied().fold(p99, f64::max);
-        [p99, max].map(|error| error.is_finite().then(|| format!("{error:.3e}").parse().expect("digits are a number")))
+        let (_, &mut p99, _) = errors.select_nth_unstable_by(index, f64::total_cmp);
+        p99.is_finite().then(|| format!("{p99:.3e}").parse().expect("digits are a number"))
     }
 }
 
@@ -448,19 +438,19 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_skip_missing_errors_and_hide_infinite_ones() {
+    fn percentiles_skip_missing_errors_and_hide_infinite_ones() {
         let exact = errors(&UNIT, &Ray::new(Vec3::new(0.25, 0.25, 1.0), -Vec3::Z), [1.0, 0.25, 0.25]);
         let hits = (0..200).map(|index| HitError {
             normal: Some(f64::from(index) + 0.123_456),
             t_backward: (index < 2).then_some(f64::from(index)),
-            ray_point: if index == 0 { f64::NAN } else { 1.0 },
+            ray_point: if index < 5 { f64::NAN } else { 1.0 },
             uv_point: None,
             ..exact
         });
         let row = HitErrorTally(hits.collect()).row();
-        assert_eq!((row.normal_error_p99, row.normal_error_max), (Some(198.1), Some(199.1)));
+        assert_eq!(row.normal_error_p99, Some(198.1));
         assert_eq!((row.t_backward_p99, row.uv_point_size_p99), (Some(1.0), None));
-        assert_eq!((row.ray_point_scene_p99, row.ray_point_scene_max), (Some(1.0), None));
+        assert_eq!(row.ray_point_scene_p99, None);
         assert_eq!(HitErrorTally::default().row(), HitErrors::default());
     }
 }

@@ -14,43 +14,25 @@ pub struct HitErrors {
     /// Distance of `origin + t·dir`, computed in `f32`, from the exact hit, in sizes of the primitive: 99th percentile.
     /// The size is the longest edge of a triangle, or the longest side of a box or of a quadric's clip box.
     pub ray_point_size_p99: Option<f64>,
-    /// The same distance: maximum.
-    pub ray_point_size_max: Option<f64>,
     /// The same distance, relative to the largest coordinate of the ray's origin and of the primitive: 99th percentile.
     pub ray_point_scene_p99: Option<f64>,
-    /// The same distance, relative to the largest coordinate of the ray's origin and of the primitive: maximum.
-    pub ray_point_scene_max: Option<f64>,
     /// Distance of `(1-u-v)·v0 + u·v1 + v·v2`, computed in `f32`, from the exact hit, in sizes of the primitive: 99th
     /// percentile.
     pub uv_point_size_p99: Option<f64>,
-    /// The same distance: maximum.
-    pub uv_point_size_max: Option<f64>,
     /// The same distance, relative to the largest coordinate of the ray's origin and of the primitive: 99th percentile.
     pub uv_point_scene_p99: Option<f64>,
-    /// The same distance, relative to the largest coordinate of the ray's origin and of the primitive: maximum.
-    pub uv_point_scene_max: Option<f64>,
     /// Height of `origin + t·dir` above or below the exact surface, in sizes of the primitive: 99th percentile. The
     /// surface is the triangle's plane, or the quadric without its clip box.
     pub ray_height_size_p99: Option<f64>,
-    /// The same height: maximum.
-    pub ray_height_size_max: Option<f64>,
     /// The same height, relative to the largest coordinate of the ray's origin and of the primitive: 99th percentile.
     pub ray_height_scene_p99: Option<f64>,
-    /// The same height, relative to the largest coordinate of the ray's origin and of the primitive: maximum.
-    pub ray_height_scene_max: Option<f64>,
     /// Height of `(1-u-v)·v0 + u·v1 + v·v2` above or below the exact plane, in sizes of the primitive: 99th percentile.
     pub uv_height_size_p99: Option<f64>,
-    /// The same height: maximum.
-    pub uv_height_size_max: Option<f64>,
     /// The same height, relative to the largest coordinate of the ray's origin and of the primitive: 99th percentile.
     pub uv_height_scene_p99: Option<f64>,
-    /// The same height, relative to the largest coordinate of the ray's origin and of the primitive: maximum.
-    pub uv_height_scene_max: Option<f64>,
     /// Angle between the normal that the tracer computes for the hit and the exact normal, in rad: 99th percentile. A
     /// triangle's normal does not depend on the hit.
     pub normal_error_p99: Option<f64>,
-    /// The same angle: maximum.
-    pub normal_error_max: Option<f64>,
     /// Backward error of `t`: its error, divided by the error that rounding each number of ray and primitive to `f32`
     /// once can cause (the condition number times 2⁻²⁴). 99th percentile. A stable method stays below about 10, however
     /// hard the input.

@@ -59,8 +59,7 @@ pub(super) fn what_fails(record: &Record, groups: &[&Group]) -> String {
     }
     format!(
         "## What fails where\n\nA regime is a workload that gets harder step by step; the [appendix](appendix.md) \
-         shows each of them. `from` and `at` name the steps, in the unit of the regime; the figures are those of the \
-         first failing step.\n\n{}",
+         shows each of them, with the figures. `from` and `at` name the steps, in the unit of the regime.\n\n{}",
         grid.markdown()
     )
 }
@@ -68,7 +67,7 @@ pub(super) fn what_fails(record: &Record, groups: &[&Group]) -> String {
 fn fails_in(record: &Record, group: &Group, kernel: &KernelFigures) -> String {
     let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
     let failing = regimes.filter_map(|regime| match verdict_by(kernel, regime, |metric| metric != Metric::Ulp)? {
-        Verdict::Fails { at, how, .. } => Some(format!("{} {at} ({how})", regime.name.replace('_', " "))),
+        Verdict::Fails { at, .. } => Some(format!("{} {at}", regime.name.replace('_', " "))),
         Verdict::Holds { .. } => None,
     });
     let failing: Vec<_> = failing.collect();

@@ -22,7 +22,9 @@ use crate::study::record::{Record, date};
 /// The answer in Markdown: the first page. It refers to the appendix and to two charts, in the same folder.
 pub(crate) fn answer_markdown(record: &Record) -> String {
     let groups = groups(record);
-    let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
+    let mut base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
+    // Triangles first, because most pictures are made of them.
+    base.sort_by_key(|group| group.shape != "triangle");
     let mut parts = vec![title(record, "Which ray-intersection kernel to use")];
     parts.extend(verdict::verdict_list(record, &groups));
     if !record.on_scenes.is_empty() {
