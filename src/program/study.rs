@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     let color = AutoStream::choice(&io::stdout()) != ColorChoice::Never;
     let mut text = study::terminal_table(&record, color);
     let folder = printable_path(reserved.path());
-    writeln!(text, "\nWritten to {folder}: report.html (or report.md and its charts), results.json")
+    writeln!(text, "\nWritten to {folder}: report.html and appendix.html (or .md and charts), results.json")
         .expect("strings grow");
     Ok(text)
 }

@@ -400,7 +400,7 @@ fn a_record_goes_to_a_new_dated_folder() {
     assert!(printed.contains("\x1b[31m"), "{printed}");
     assert!(printed.lines().last().unwrap().starts_with(&format!("Written to reports/{record}: ")), "{printed}");
     let written = names(&folder.0.join("reports").join(record));
-    for file in ["results.json", "report.md", "speed-accuracy.svg", "scaling.svg"] {
+    for file in ["results.json", "report.md", "appendix.md", "on-scenes.svg", "speed-accuracy.svg", "scaling.svg"] {
         assert!(written.iter().any(|name| name == file), "{file}: {written:?}");
     }
     assert!(written.iter().all(|name| !name.starts_with('.')), "{written:?}");

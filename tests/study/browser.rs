@@ -1,4 +1,4 @@
-//! Tests `report.html` in a real browser: all charts are drawn and fit, tooltips appear under the pointer, and nothing
+//! Tests the pages of a report in a real browser: all charts are drawn and fit, tooltips appear under the pointer, and nothing
 //! is loaded. Without Chromium the test is skipped, or fails if `RAYLANES_REQUIRE_BROWSER` is set.
 
 use std::env;
@@ -57,14 +57,18 @@ fn the_page_is_drawn_fits_the_window_and_shows_tooltips() {
     };
     let folder = tempfile::tempdir().unwrap();
     study::write(&RECORD, folder.path()).unwrap();
-    let report = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     // This script comes first in the page, so that it sees every error.
-    let (head, body) = report.split_once("<body>").unwrap();
     let watch = "<script>window.errors = []; addEventListener('error', event => errors.push(event.message));
         addEventListener('securitypolicyviolation', event => errors.push(`refused: ${event.blockedURI}`));</script>";
-    let body = body.replace("</body>", &format!("<script>{}</script></body>", include_str!("browser.js")));
-    let page = format!("{head}<body>{watch}{body}");
+    let watched = |file: &str| {
+        let page = std::fs::read_to_string(folder.path().join(file)).unwrap();
+        let (head, body) = page.split_once("<body>").unwrap();
+        let body = body.replace("</body>", &format!("<script>{}</script></body>", include_str!("browser.js")));
+        format!("{head}<body>{watch}{body}")
+    };
+    let [answer, page] = ["report.html", "appendix.html"].map(watched);
     for width in [1280, 400] {
+        assert_eq!(verdict(&browser, &answer, width), "ok", "{width} pixels wide");
         assert_eq!(verdict(&browser, &page, width), "ok", "{width} pixels wide");
     }
     // Each of these changes breaks the page, and the test must notice it.

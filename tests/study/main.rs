@@ -117,7 +117,7 @@ fn every_kernel_is_measured_and_charted() {
         serde_json::from_str::<Record>(&read("results.json")).unwrap() == *record,
         "the record must survive JSON unchanged"
     );
-    let (report, chart) = (read("report.md"), read("speed-accuracy.svg"));
+    let (report, chart) = (read("appendix.md"), read("speed-accuracy.svg"));
     assert_eq!(report.contains("\n## Peers\n"), cfg!(feature = "peers"));
     for id in &ids.0 {
         assert!(report.contains(id.as_str()), "{id} is not in the report");

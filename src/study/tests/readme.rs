@@ -21,7 +21,7 @@ fn readme_block(record: &Record, folder: &str) -> String {
         record.machine.cpu
     );
     format!(
-        "{}\n\n{}\n[The whole answer]({folder}/report.md), and [everything that was measured]({folder}/appendix.md).\n",
+        "{}\n\n{}\n\n[The whole answer]({folder}/report.md); [everything that was measured]({folder}/appendix.md).\n",
         verdict.join("\n"),
         wrapped(&legend, "")
     )
