@@ -87,10 +87,13 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let mut reach = |share| speed_part.reach(share);
     let times = match &options.program {
         Some(program) => processes::time_in_processes(program, processes, &timed, &mut reach)?,
-        None => vec![processes::time_here(&timed, &mut |share| {
-            reach(share);
-            Ok(())
-        })?],
+        None => {
+            let all = Timed { rounds: processes * rounds, scene_rounds: processes * scene_rounds, ..timed };
+            vec![processes::time_here(&all, &mut |share| {
+                reach(share);
+                Ok(())
+            })?]
+        }
     };
     let times = rounds::merge(&times)?;
 

@@ -13,7 +13,8 @@ use crate::tracer::Error;
 pub const RESULT_EXTENSIONS: [&str; 4] = ["json", "md", "html", "svg"];
 
 /// Writes a record into a folder: `results.json`, the charts, `report.md` and `appendix.md`, and the same two as pages
-/// that need no other file, `report.html` and `appendix.html`. Makes the folder if it does not exist. Removes nothing, and replaces no file before all are written.
+/// that need no other file, `report.html` and `appendix.html`. Makes the folder if it does not exist. Removes nothing,
+/// and replaces no file before all are written.
 ///
 /// # Errors
 /// If the folder or a file cannot be written.

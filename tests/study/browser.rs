@@ -1,5 +1,5 @@
-//! Tests the pages of a report in a real browser: all charts are drawn and fit, tooltips appear under the pointer, and nothing
-//! is loaded. Without Chromium the test is skipped, or fails if `RAYLANES_REQUIRE_BROWSER` is set.
+//! Tests the pages of a report in a real browser: all charts are drawn and fit, tooltips appear under the pointer, and
+//! nothing is loaded. Without Chromium the test is skipped, or fails if `RAYLANES_REQUIRE_BROWSER` is set.
 
 use std::env;
 use std::path::{Path, PathBuf};

@@ -174,8 +174,20 @@ fn tracer_is_measured(record: &Record) {
     assert!(record.scaling.iter().all(|row| row.ns_per_ray > 0.0 && row.hits > 0 && row.bytes_per_triangle > 0.0));
 }
 
-/// Checks that the kernels of a shape keep their claims, and that every other kernel breaks them: a claim that every
-/// kernel could make would tell nothing.
+/// Kernels that do not make a claim, although the rays of the study do not break it.
+const UNPROVEN: [(&str, &str); 5] = [
+    // Two rays in 300 million, and boxes behind the origin: see `tests/cases`.
+    ("aabb/two_ulp", "conservative"),
+    // Its epsilon closes the gaps of these rays. It is no proof.
+    ("triangle/embree_pluecker", "vertex-watertight"),
+    // Its source claims all of them, but its bound of the error is not proven here.
+    ("triangle/pbrt_woop", "edge-watertight"),
+    ("triangle/pbrt_woop", "vertex-watertight"),
+    ("triangle/pbrt_woop", "no-hit-behind"),
+];
+
+/// Checks that the kernels of a shape keep their claims, and that every other kernel breaks them, except
+/// [`UNPROVEN`] ones: a claim that every kernel could make would tell nothing.
 fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
     let kernels = Kernels::<S>::registered();
     let mut rows: Vec<AccuracyRow> =
@@ -191,6 +203,10 @@ fn hold_to_claims<S: Subject>(regimes: impl Fn(&Regime<S>) -> bool) {
         match (claimed, violations) {
             (true, 1..) => {
                 failures.push(format!("{id} claims to be {claim}, but {violations} of {of} rays break that"));
+            }
+            (false, 0) if UNPROVEN.contains(&(id, claim)) => {}
+            (false, 1..) if UNPROVEN.contains(&(id, claim)) => {
+                failures.push(format!("{id}: {violations} of {of} rays break {claim}: it is no exception"));
             }
             (false, 0) => {
                 failures.push(format!("{id} does not claim to be {claim}, but none of {of} rays breaks that"));

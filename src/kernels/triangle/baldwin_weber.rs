@@ -16,7 +16,8 @@
 //! there. Near the origin, on a huge triangle, it is the other way round. Leaks at edges and vertices.
 //!
 //! **Not here:** the test of J. Havel, A. Herout, "Yet Faster Ray-Triangle Intersection (Using SSE4)", 2010, prepares
-//! planes too and fails in the same regimes. It leaked 1.4 to 5 times as often at edges, with 23 multiplications for 15.
+//! planes too and fails in the same regimes. It leaked 1.4 to 5 times as often at edges, with 23 multiplications for
+//! 15.
 //!
 //! **Degenerate input:** no map exists for a triangle of zero area. It is stored as NaN and misses. The same holds
 //! for a triangle that is not finite.

@@ -7,17 +7,17 @@
 //! determinant by xor. Then they are compared with the determinant's magnitude. Only what hits is divided.
 //!
 //! **Differs from the source:** the normal is prepared, as in Embree 2. Embree 4 computes the same bits for every ray.
-//! Products are not fused, as in Embree's builds without AVX2. The reciprocal is correctly rounded. Embree also compares
-//! `t` before it divides. Here the divided `t` is compared, which may lie an ulp outside of an interval that the
-//! undivided one meets. The interval is closed. Determinants that overflow are a miss.
+//! Products are not fused, as in Embree's builds without AVX2. The reciprocal is correctly rounded. Embree also
+//! compares `t` before it divides. Here the divided `t` is compared, which may lie an ulp outside of an interval that
+//! the undivided one meets. The interval is closed. Determinants that overflow are a miss.
 //!
 //! **Differs from `triangle/kensler_shirley`:** the normal is a cross product in `f32`, and nothing is scaled.
 //!
 //! **Fails:** leaks at edges and vertices like `triangle/kensler_shirley`. The normal of a sliver loses its digits, and
 //! then `t` does. Legs below about 5e-14 miss, as with `triangle/moller_trumbore`.
 //!
-//! **Degenerate input:** rounding may give a normal to a triangle of zero area. It is stored as NaN and misses, like one
-//! that is too small.
+//! **Degenerate input:** rounding may give a normal to a triangle of zero area. It is stored as NaN and misses, like
+//! one that is too small.
 //!
 //! **Operations:** 21 multiplications, 15 additions, 1 division, 6 minima and comparisons. 48 bytes prepared.
 

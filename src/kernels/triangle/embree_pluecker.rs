@@ -1,14 +1,15 @@
 //! `triangle/embree_pluecker`: Embree's robust test, as in its source.
 //!
-//! **Source:** Embree 4, `kernels/geometry/triangle_intersector_pluecker.h`. I. Wald, S. Woop, C. Benthin, G. S. Johnson,
-//! M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.
+//! **Source:** Embree 4, `kernels/geometry/triangle_intersector_pluecker.h`. I. Wald, S. Woop, C. Benthin, G. S.
+//! Johnson, M. Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.
 //!
-//! **Idea:** the edge functions of `triangle/pluecker`, compared with an epsilon that is relative to their sum: a weight
-//! of the wrong sign still counts if it is below 1.2e-7 of the sum. The normal is computed for every ray. Each component
-//! comes from the pair of edges whose products are smaller.
+//! **Idea:** the edge functions of `triangle/pluecker`, compared with an epsilon that is relative to their sum: a
+//! weight of the wrong sign still counts if it is below 1.2e-7 of the sum. The normal is computed for every ray. Each
+//! component comes from the pair of edges whose products are smaller.
 //!
 //! **Differs from the source:** products are not fused, as in Embree's builds without AVX2. Reciprocals are correctly
-//! rounded. The normal and the distance are not doubled, because that cancels. A sum of weights that overflows is a miss.
+//! rounded. The normal and the distance are not doubled, because that cancels. A sum of weights that overflows is a
+//! miss.
 //!
 //! **Differs from `triangle/pluecker`:** the epsilon, and the normal, which costs 12 multiplications per test and no
 //! memory.

@@ -1,13 +1,13 @@
 //! `triangle/moller_trumbore_epsilon`: Möller–Trumbore as most people copy it, with an absolute epsilon. A warning.
 //!
 //! **Source:** T. Möller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. Its listing defines
-//! `EPSILON` as 0.000001 and rejects a ray if the determinant is between `-EPSILON` and `EPSILON`. Textbooks, encyclopedias
-//! and engines repeat these lines, with 1e-5 to 1e-8.
+//! `EPSILON` as 0.000001 and rejects a ray if the determinant is between `-EPSILON` and `EPSILON`. Textbooks,
+//! encyclopedias and engines repeat these lines, with 1e-5 to 1e-8.
 //!
 //! **Idea:** a small determinant shall mean that the ray is parallel to the triangle.
 //!
-//! **Differs from `triangle/moller_trumbore`** only in the epsilon. It is the form of the paper that does not cull: both
-//! sides hit.
+//! **Differs from `triangle/moller_trumbore`** only in the epsilon. It is the form of the paper that does not cull:
+//! both sides hit.
 //!
 //! **Fails:** the determinant is the length of the direction times the triangle's doubled area times the cosine at the
 //! normal. It is small if the ray is parallel, but also if the triangle is small or the direction is short. A direction

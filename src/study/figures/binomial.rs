@@ -1,5 +1,5 @@
-//! Tails of the binomial distribution, for intervals and comparisons of counts. Sums of probabilities, so that counts of
-//! millions and chances of one in a million are no problem.
+//! Tails of the binomial distribution, for intervals and comparisons of counts. Sums of probabilities, so that counts
+//! of millions and chances of one in a million are no problem.
 
 /// The chance of at most `events` events in `trials`, if each has the chance `p`.
 pub(super) fn at_most(events: u64, trials: u64, p: f64) -> f64 {

@@ -48,8 +48,8 @@ impl Answers {
     }
 }
 
-/// The times of one kernel in all scenes together: in each round, the geometric mean of the nanoseconds per ray over the
-/// scenes and those sets of rays that are meant. A scene weighs as much as any other. `None` if there are none.
+/// The times of one kernel in all scenes together: in each round, the geometric mean of the nanoseconds per ray over
+/// the scenes and those sets of rays that are meant. A scene weighs as much as any other. `None` if there are none.
 pub(crate) fn times(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow) -> bool) -> Option<Samples> {
     let rows: Vec<_> = record.scene_speed.iter().filter(|row| row.kernel == id && is_meant(row)).collect();
     let groups = rows.first()?.ns_of_rounds.groups();

@@ -26,7 +26,7 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> Option<String> {
         title: "The same scenes with every kernel".into(),
         remarks: vec![
             "Rays of whole pictures, traced by the same tracer through the same trees, and compared with the exact \
-             answer of the scene. A ray is lost if it looks through the surface at which it ends. Lines: 95 % intervals."
+             answer of the scene. A ray is lost if it looks through the surface where it ends. Lines: 95 % intervals."
                 .into(),
             machine(record),
         ],
@@ -94,7 +94,7 @@ fn cells(record: &Record, id: &str) -> Vec<Vec<Dot>> {
             value: rate.per_million(),
             interval: Some(rate.interval()),
             failed: rate.per_million() > FAILING_RATE,
-            tooltip: format!("{what}, rays of {}: {rate} per million, n = {}", ANSWERS[mark], count(rate.of)),
+            tooltip: format!("{what}, {}: {rate} per million, n = {}", ANSWERS[mark], count(rate.of)),
         })
         .collect()
     };

@@ -41,7 +41,7 @@ pub(super) fn figures(record: &Record, groups: &[&Group]) -> String {
     }
     let means = groups.iter().map(|group| format!("- {}: {}.", group.title, group.lost_means()));
     format!(
-        "{}\nBold names have the fewest wrong answers, or tie. Rates are per million; `0 (< b)`: none was seen, and b is \
+        "{}\nBold names have the fewest wrong answers, or tie. Rates are per million; `0 (< b)`: none was seen; b is \
          the upper end of the 95 % interval. *False or double*: in a mesh, rays that exactly hit one triangle and are \
          reported to hit several; elsewhere, exact misses reported as hits. *Lost*:\n\n{}",
         grid.markdown(),

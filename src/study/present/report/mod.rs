@@ -117,8 +117,8 @@ mod tests {
             let mut with_kernel =
                 groups.iter().filter(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let group = with_kernel.next().expect("every kernel has a group");
-            // Tables of kernels, packets, claims and checksums, three tables for each of two workloads, for each regime one
-            // for each metric and one of hits, and for kernels of a shape the figures of the first page.
+            // Tables of kernels, packets, claims and checksums, three tables for each of two workloads, for each regime
+            // one for each metric and one of hits, and for kernels of a shape the figures of the first page.
             let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
             let tables = 10 + regimes.map(|regime| Metric::of(regime).len() + 1).sum::<usize>();
             let scenes = record.on_scenes.iter().filter(|row| row.kernel == kernel.id && row.rays == "primary").count();
