@@ -446,17 +446,39 @@ fn an_impossible_record_is_refused_before_the_study_starts() {
 /// The command that a study starts in processes of its own is not for users, but its errors are errors too.
 #[test]
 fn the_process_that_times_kernels_writes_lines_of_json() {
-    fails(&["time-kernels", "--seed", "1", "--rounds", "0"], &["--rounds", "0"]);
+    let with = |rounds: &'static str| {
+        [
+            "time-kernels",
+            "--seed",
+            "1",
+            "--rounds",
+            rounds,
+            "--picture",
+            "16",
+            "--scene-rounds",
+            "1",
+            "--",
+            "sphere:1e3",
+        ]
+    };
+    fails(&with("0"), &["--rounds", "0"]);
     fails(&["time-kernels", "--rounds", "1"], &["--seed"]);
     assert!(!succeeds(&["--help"]).contains("time-kernels"));
-    let lines = succeeds(&["time-kernels", "--seed", "1", "--rounds", "2"]);
+    let lines = succeeds(&with("2"));
     let lines: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    let shares: Vec<_> = lines[..3].iter().map(|line| line["done"].as_f64().unwrap()).collect();
-    assert_eq!((lines.len(), shares[2]), (4, 1.0));
-    let times = lines[3]["times"].as_array().unwrap();
-    let cramer: Vec<_> =
-        times.iter().filter(|job| job["name"].as_str().unwrap().starts_with("triangle/cramer,")).collect();
+    // Three rounds of single kernels, two of scenes: the first of each does not count.
+    let shares: Vec<_> = lines[..5].iter().map(|line| line["done"].as_f64().unwrap()).collect();
+    assert_eq!((lines.len(), shares[2], shares[4]), (6, 0.5, 1.0));
+    let times = lines[5]["times"].as_array().unwrap();
+    let named =
+        |part: &str| -> Vec<_> { times.iter().filter(|job| job["name"].as_str().unwrap().contains(part)).collect() };
+    let cramer: Vec<_> = named("triangle/cramer,");
     assert_eq!(cramer.len(), 6, "three widths on one thread and on two");
     assert!(cramer.iter().all(|job| job["checksum"] == cramer[0]["checksum"]));
-    assert!(times.iter().all(|job| job["ns"].as_array().unwrap().len() == 2));
+    let scene = named("sphere:1e3, ");
+    assert!(scene.len() >= 4 * 13 && scene.len() % 4 == 0, "every triangle kernel traces four sets of rays");
+    for job in times {
+        let rounds = if scene.contains(&job) { 1 } else { 2 };
+        assert_eq!(job["ns"].as_array().unwrap().len(), rounds, "{job}");
+    }
 }
