@@ -68,7 +68,8 @@
 //! `t` counts in units of `|dir|` and is the same before and after an affine transform of the ray. The interval is
 //! closed. Shapes are closed too: triangle edges, box faces and clip planes count as hits. A ray misses everything if
 //! it holds a NaN, if its direction is zero, or if its origin or direction is infinite. A degenerate primitive is
-//! never hit. No kernel panics, returns a NaN or uses an absolute epsilon. A lane that misses holds
+//! never hit. No kernel panics or returns a NaN. None uses an absolute epsilon, except
+//! [`MollerTrumboreEpsilon`](kernels::triangle::MollerTrumboreEpsilon), which warns of it. A lane that misses holds
 //! [`geom::Hit::MISS`].
 //!
 //! # Features

@@ -61,6 +61,9 @@ fn main() -> ExitCode {
     harness::run(vec![tests.trials], registry::triangles)
 }
 
+/// A claim that a kernel does not make, although no ray here breaks it: its bound of the error is not proven.
+const UNPROVEN: (&str, Claim) = ("triangle/pbrt_woop", Claim::NoHitBehind);
+
 /// Checks that every ray keeps the claims of the kernel, and that some ray breaks each claim that it does not make.
 /// Returns how many rays break each claim.
 fn hold_to_claims<K: Kernel<Shape = Triangle>>(inputs: &Inputs) -> Result<String, String> {
@@ -75,6 +78,7 @@ fn hold_to_claims<K: Kernel<Shape = Triangle>>(inputs: &Inputs) -> Result<String
                     "{id} claims to be {name}, but {broken} of {rays} rays break it. One is:\n{example}"
                 ));
             }
+            (false, None) if (id.method, claim) == UNPROVEN => {}
             (false, None) => {
                 failures.push(format!("{id} does not claim to be {name}, but none of {rays} rays breaks it"));
             }

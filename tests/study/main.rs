@@ -178,11 +178,11 @@ fn tracer_is_measured(record: &Record) {
 const UNPROVEN: [(&str, &str); 5] = [
     // Two rays in 300 million, and boxes behind the origin: see `tests/cases`.
     ("aabb/two_ulp", "conservative"),
-    // Its epsilon closes the gaps of these rays. It is no proof.
+    // Rays of `tests/watertight.rs` break these.
     ("triangle/embree_pluecker", "vertex-watertight"),
-    // Its source claims all of them, but its bound of the error is not proven here.
     ("triangle/pbrt_woop", "edge-watertight"),
     ("triangle/pbrt_woop", "vertex-watertight"),
+    // The bound of the error is not proven.
     ("triangle/pbrt_woop", "no-hit-behind"),
 ];
 

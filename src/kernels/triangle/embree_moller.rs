@@ -14,7 +14,7 @@
 //! **Differs from `triangle/kensler_shirley`:** the normal is a cross product in `f32`, and nothing is scaled.
 //!
 //! **Fails:** leaks at edges and vertices like `triangle/kensler_shirley`. The normal of a sliver loses its digits, and
-//! then `t` does. Legs below about 5e-14 miss, as with `triangle/moller_trumbore`.
+//! then `t` does. Legs below about 5e-14 miss, as with `triangle/moller_trumbore`, and so do legs of 1e15.
 //!
 //! **Degenerate input:** rounding may give a normal to a triangle of zero area. It is stored as NaN and misses, like
 //! one that is too small.

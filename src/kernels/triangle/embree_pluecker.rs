@@ -14,8 +14,8 @@
 //! **Differs from `triangle/pluecker`:** the epsilon, and the normal, which costs 12 multiplications per test and no
 //! memory.
 //!
-//! **Fails:** the epsilon is about the triangle, but the rounding error of a weight is about distance times size. So it
-//! closes gaps only of rays that start as near as the triangle is large. It adds double hits beside edges. As with
+//! **Fails:** the epsilon adds double hits beside edges. It closes most gaps but not all: T-junctions and distant
+//! grounds at a grazing angle still leak. The normal of a sliver loses its digits, and then `t` does. As with
 //! `triangle/pluecker`, weights lose their digits with the distance.
 //!
 //! **Degenerate input:** a triangle of zero area has a normal of zero, unless it is rounded. It is stored as NaN and

@@ -1,8 +1,8 @@
 //! `triangle/moller_trumbore_epsilon`: Möller–Trumbore as most people copy it, with an absolute epsilon. A warning.
 //!
 //! **Source:** T. Möller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. Its listing defines
-//! `EPSILON` as 0.000001 and rejects a ray if the determinant is between `-EPSILON` and `EPSILON`. Textbooks,
-//! encyclopedias and engines repeat these lines, with 1e-5 to 1e-8.
+//! `EPSILON` as 0.000001 and rejects a ray if the determinant is between `-EPSILON` and `EPSILON`. Public code
+//! repeats these lines, with 1e-6 to 1e-8.
 //!
 //! **Idea:** a small determinant shall mean that the ray is parallel to the triangle.
 //!
@@ -11,7 +11,7 @@
 //!
 //! **Fails:** the determinant is the length of the direction times the triangle's doubled area times the cosine at the
 //! normal. It is small if the ray is parallel, but also if the triangle is small or the direction is short. A direction
-//! of length 1 never hits a right triangle with legs of 0.001, whose determinant is at most 1e-6. In metres that is a
+//! of length 1 hits a right triangle with legs of 0.001 only if it is almost perpendicular. In metres that is a
 //! millimetre. The epsilon saves nothing: a division by zero already is a miss. Leaks and slivers are as with
 //! `triangle/moller_trumbore`.
 //!

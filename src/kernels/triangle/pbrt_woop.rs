@@ -1,7 +1,7 @@
 //! `triangle/pbrt_woop`: pbrt's triangle test, which returns a hit only if its `t` is certainly positive.
 //!
 //! **Source:** pbrt-v4, `IntersectTriangle` in `src/pbrt/shapes.cpp`; M. Pharr, W. Jakob, G. Humphreys, "Physically
-//! Based Rendering", 4th edition, 2023, sections 6.5.3 and 6.8.7. The test is that of S. Woop, C. Benthin, I. Wald,
+//! Based Rendering", 4th edition, 2023, chapter 6. The test is that of S. Woop, C. Benthin, I. Wald,
 //! "Watertight Ray/Triangle Intersection", 2013, with the determinants of `triangle/woop_dop`.
 //!
 //! **Idea:** bound the error of `t` by the largest coordinates of the sheared triangle and the largest weight. A hit
@@ -13,9 +13,9 @@
 //! another one is the longest.
 //!
 //! **Fails:** δt is relative to the largest weight, but `t` is relative to their sum. In the bound the weights have the
-//! error of a shear of the distance. So δt exceeds `t` where a triangle is small against its distance, thin, or seen at
-//! a grazing angle, and the triangle vanishes for such rays. Besides, the bound adds lengths across the ray to depths
-//! that are already divided by the direction. It holds for directions of about length 1.
+//! error of a shear of the distance. So δt exceeds `t` where a triangle is thin or seen at a grazing angle, and the
+//! triangle vanishes for such rays. Besides, the bound adds lengths across the ray to depths that are already divided
+//! by the direction: it is meant for directions of about length 1. With short ones, δt exceeds `t`, and hits are lost.
 //!
 //! **Degenerate input:** as `triangle/woop`. pbrt also rejects a triangle whose squared normal vanishes in `f32`: with
 //! legs below about 5e-12.
