@@ -31,6 +31,7 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     start_global_pool()?;
     for scene in &scenes {
         progress.note(&format!("{}: checking", scene.name()));
+        refuse_pipe(scene)?;
         scene.check()?;
     }
     check_results(reserved.path())?;
@@ -47,6 +48,16 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     writeln!(text, "\nWritten to {folder}: report.html and appendix.html (or .md and charts), results.json")
         .expect("strings grow");
     Ok(text)
+}
+
+/// A study reads its scenes several times, also in processes of its own. A pipe can be read only once.
+fn refuse_pipe(scene: &SceneSource) -> Result<(), Error> {
+    let (SceneSource::Mesh(path) | SceneSource::Toml(path)) = scene else { return Ok(()) };
+    if path.metadata().is_ok_and(|file| !file.is_file() && !file.is_dir()) {
+        let message = "a study reads its scenes several times, so it needs a file and not a pipe".into();
+        return Err(Error::Argument { argument: printable_path(path), message });
+    }
+    Ok(())
 }
 
 /// Times what a study starts in processes of its own.

@@ -36,7 +36,8 @@ pub fn write_new(record: &Record, folder: &Path) -> Result<(), Error> {
 fn files(record: &Record) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![("results.json".to_owned(), one_row_per_line(record).expect("a record is plain data"))];
     let charts = charts(record);
-    let texts = [("report", answer_markdown(record)), ("appendix", appendix_markdown(record))];
+    let appendix = appendix_markdown(record);
+    let texts = [("report", answer_markdown(record, &appendix)), ("appendix", appendix)];
     let pages = texts.map(|(name, text)| {
         let page = report_html(&text, &charts);
         [(format!("{name}.md"), text.into_bytes()), (format!("{name}.html"), page.into_bytes())]

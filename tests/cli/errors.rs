@@ -153,3 +153,11 @@ fn a_view_without_a_picture_is_an_error() {
     };
     assert!(hits("20") > 2 * hits("40"), "{} and {} hits", hits("20"), hits("40"));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_study_refuses_a_scene_that_can_be_read_only_once() {
+    let folder = Folder::new("once");
+    std::os::unix::fs::symlink("/dev/null", folder.0.join("x.obj")).unwrap();
+    fails_in(&folder.0, &["study", "x.obj", "--quick", "--out", "out"], &["x.obj", "not a pipe"]);
+}

@@ -64,26 +64,26 @@ impl Kernel for EmbreeMoller<f32> {
 
 /// `a`, with the other sign if that of `b` is negative.
 #[inline(always)]
-pub(super) fn times_sign(a: f32, b: f32) -> f32 {
+fn times_sign(a: f32, b: f32) -> f32 {
     f32::from_bits(a.to_bits() ^ (b.to_bits() & (-0f32).to_bits()))
 }
 
 /// [`times_sign`] in eight lanes.
 #[inline(always)]
-pub(super) fn times_sign8(a: f32x8, b: f32x8) -> f32x8 {
+fn times_sign8(a: f32x8, b: f32x8) -> f32x8 {
     a ^ (b & f32x8::splat(-0.0))
 }
 
 /// Whether `u >= 0`, `v >= 0` and `u + v <= sum`. False for a NaN. One branch, as in
 /// [`barycentrics_inside`](super::barycentrics_inside).
 #[inline(always)]
-pub(super) fn weights_inside(u: f32, v: f32, sum: f32) -> bool {
+fn weights_inside(u: f32, v: f32, sum: f32) -> bool {
     min(min(u, v), sum - (u + v)) >= 0.0
 }
 
 /// [`weights_inside`] in eight lanes.
 #[inline(always)]
-pub(super) fn weights_inside8(u: f32x8, v: f32x8, sum: f32x8) -> Mask8 {
+fn weights_inside8(u: f32x8, v: f32x8, sum: f32x8) -> Mask8 {
     ge8(min8(u, v), f32x8::ZERO) & le8(u + v, sum)
 }
 

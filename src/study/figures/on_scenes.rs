@@ -1,11 +1,9 @@
 //! What kernels do to the pictures of whole scenes.
 
 use super::rate::Rate;
+use crate::study::measure::ray_sets::EDGES;
 use crate::study::measure::stats::{Estimate, ratio, typical};
 use crate::study::record::{OnSceneRow, Record, Samples, SceneSpeedRow};
-
-/// The name of the set of rays that are aimed at edges. All other sets are those of a picture.
-pub(crate) const EDGES: &str = "edges";
 
 /// Wrong answers of one kernel, per ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

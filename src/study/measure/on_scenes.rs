@@ -8,7 +8,7 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::built_scene::{BuiltScene, TracerKernel};
-use super::ray_sets::RaySet;
+use super::ray_sets::{EDGES, RaySet};
 use super::scene_truth::{Answer, Judgement, SceneTruth};
 use crate::geom::{Hit, Quadric, Ray, Triangle};
 use crate::kernels::Kernel;
@@ -61,7 +61,7 @@ fn edge_rays(built: &BuiltScene, truth: &SceneTruth, seed: u64) -> RaySet {
         Some(Ray::new(ray.origin, from.lerp(to, rng.random()) - ray.origin))
     };
     let rays = (0..).zip(primary.iter().zip(&hits)).filter_map(at_edge).collect();
-    RaySet { name: "edges", any_hit: false, rays }
+    RaySet { name: EDGES, any_hit: false, rays }
 }
 
 /// Something that is done with a scene for each kernel.
@@ -135,7 +135,7 @@ mod tests {
     fn wrong(scene: &str, kernel: &str) -> [u64; 2] {
         let rows = judge(&SceneSource::parse(scene).unwrap(), (48, 1), &Progress::bar()).unwrap();
         let sum = |edges: bool| {
-            let rows = rows.iter().filter(|row| row.kernel == kernel && (row.rays == "edges") == edges);
+            let rows = rows.iter().filter(|row| row.kernel == kernel && (row.rays == EDGES) == edges);
             rows.map(|row| row.lost + row.false_hits).sum()
         };
         assert!(rows.iter().any(|row| row.kernel == kernel && row.solid > 500));

@@ -19,6 +19,9 @@ pub struct RaySet {
 /// Names of the sets, in the order of [`ray_sets`].
 pub const NAMES: [&str; 4] = ["primary", "shadow", "bounce", "ambient occlusion"];
 
+/// Name of one more set, which is judged but not timed: rays from the eye at edges in sight.
+pub(crate) const EDGES: &str = "edges";
+
 /// The rays of a picture of `size` × `size` pixels:
 ///
 /// - *primary*: from the eye through each pixel; closest hit;

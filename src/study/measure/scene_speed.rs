@@ -7,16 +7,13 @@ use std::time::Instant;
 
 use super::built_scene::BuiltScene;
 use super::on_scenes::{ForKernels, for_each_kernel};
-use super::ray_sets::RaySet;
+use super::ray_sets::{EDGES, RaySet};
 use super::rounds::{TimedJob, Times, of_job};
 use super::stats::typical;
 use crate::geom::{Hit, Triangle};
 use crate::kernels::Kernel;
 use crate::study::record::{OnSceneRow, SceneSpeedRow};
 use crate::tracer::{Error, Mode, Scene, SceneSource, checksum, thread_pool, trace_set_into};
-
-/// Name of the set of rays that is judged, but not timed.
-const UNTIMED: &str = "edges";
 
 /// Scenes that are ready to be timed.
 pub(crate) struct SceneSpeed(Vec<Timed>);
@@ -112,5 +109,5 @@ pub(crate) fn rows(judged: &[OnSceneRow], all: &[Times]) -> Result<Vec<SceneSpee
             checksum: format!("{:016x}", times.checksum),
         })
     };
-    judged.iter().filter(|row| row.rays != UNTIMED).map(row).collect()
+    judged.iter().filter(|row| row.rays != EDGES).map(row).collect()
 }

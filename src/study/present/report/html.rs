@@ -144,7 +144,8 @@ mod tests {
     fn every_chart_is_in_one_of_the_pages() {
         let record = record_of(&all_ids());
         let charts = charts(&record);
-        let pages = [answer_markdown(&record), appendix_markdown(&record)].map(|text| report_html(&text, &charts));
+        let appendix = appendix_markdown(&record);
+        let pages = [answer_markdown(&record, &appendix), appendix].map(|text| report_html(&text, &charts));
         let all = pages.concat();
         assert_eq!(all.matches("<svg role=\"img\" aria-label=\"").count(), charts.len());
         for chart in &charts {

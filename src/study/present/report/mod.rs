@@ -19,8 +19,9 @@ use crate::study::present::chart::{ON_SCENES, PEERS, SPEED_ACCURACY};
 use crate::study::present::{peers, verdict};
 use crate::study::record::{Record, date};
 
-/// The answer in Markdown: the first page. It refers to the appendix and to two charts, in the same folder.
-pub(crate) fn answer_markdown(record: &Record) -> String {
+/// The answer in Markdown: the first page. It refers to two charts and to every section of the appendix, in the same
+/// folder.
+pub(crate) fn answer_markdown(record: &Record, appendix: &str) -> String {
     let groups = groups(record);
     let mut base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
     // Triangles first, because most pictures are made of them.
@@ -34,7 +35,6 @@ pub(crate) fn answer_markdown(record: &Record) -> String {
     parts.extend([answer::what_fails(record, &base)]);
     parts.extend(answer::how_to_choose(&base));
     parts.extend(verdict::noise(record, &groups).map(|noise| format!("## How sure this is\n\n{noise}")));
-    let appendix = appendix_markdown(record);
     let sections = appendix.lines().filter_map(|line| line.strip_prefix("## "));
     let links = sections.map(|heading| format!("- [{heading}](appendix.md#{})", html::anchor(heading)));
     parts.push(format!("## The appendix\n\n{}", links.collect::<Vec<_>>().join("\n")));
@@ -108,10 +108,15 @@ mod tests {
     use crate::study::present::chart::charts;
     use crate::study::tests::fixture::{all_ids, degenerate_records, record_of};
 
+    fn both(record: &Record) -> [String; 2] {
+        let appendix = appendix_markdown(record);
+        [answer_markdown(record, &appendix), appendix]
+    }
+
     #[test]
     fn every_kernel_is_in_every_table() {
         let record = record_of(&all_ids());
-        let (answer, appendix) = (answer_markdown(&record), appendix_markdown(&record));
+        let [answer, appendix] = both(&record);
         let groups = groups(&record);
         for kernel in &record.methods {
             let mut with_kernel =
@@ -138,7 +143,7 @@ mod tests {
     #[test]
     fn the_answer_is_short_and_links_to_every_section_of_the_appendix() {
         let record = record_of(&all_ids());
-        let (answer, appendix) = (answer_markdown(&record), appendix_markdown(&record));
+        let [answer, appendix] = both(&record);
         assert!(answer.lines().count() < 120, "{answer}");
         let page = report_html(&appendix, &charts(&record));
         let links: Vec<_> = answer.split("(appendix.md#").skip(1).filter_map(|rest| rest.split(')').next()).collect();
@@ -160,7 +165,7 @@ mod tests {
     #[test]
     fn rows_are_as_long_as_their_headers() {
         let record = record_of(&all_ids());
-        for report in [answer_markdown(&record), appendix_markdown(&record)] {
+        for report in both(&record) {
             let mut columns = None;
             for line in report.lines() {
                 let here = line.starts_with('|').then(|| line.matches(" | ").count());
@@ -173,7 +178,7 @@ mod tests {
     #[test]
     fn degenerate_records_have_a_report() {
         for record in degenerate_records() {
-            for report in [answer_markdown(&record), appendix_markdown(&record)] {
+            for report in both(&record) {
                 assert!(!report.contains("NaN") && !report.contains(" inf "), "{report}");
             }
         }

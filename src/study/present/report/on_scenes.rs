@@ -1,10 +1,10 @@
 //! The section on whole scenes: the same scenes and rays for every kernel.
 
 use super::cells::code;
-use crate::study::figures::on_scenes::{Answers, EDGES, mrays};
+use crate::study::figures::on_scenes::{Answers, mrays};
 use crate::study::figures::{MISSING, count, optional};
 use crate::study::present::grid::{Cell, Grid};
-use crate::study::ray_sets;
+use crate::study::ray_sets::{self, EDGES};
 use crate::study::record::Record;
 
 const ABOUT: &str = "\
