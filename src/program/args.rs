@@ -60,6 +60,35 @@ pub(super) struct StudyArguments {
     /// Also trace with obvhs, bvh and parry3d, in scenes that are one mesh. Needs a build with the feature "peers".
     #[arg(long)]
     pub(super) peers: bool,
+    /// Build the program once more for these x86-64 processors, and time the kernels of that build beside this one. Run
+    /// the study with cargo for this. It takes minutes more.
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    pub(super) build: Option<Level>,
+}
+
+/// A level of x86-64 processors, as the psABI defines it.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Level {
+    /// SSE2: every x86-64 processor.
+    V1,
+    /// SSE4.2.
+    V2,
+    /// AVX2 and fused multiply-add.
+    V3,
+    /// AVX-512.
+    V4,
+}
+
+impl Level {
+    /// The compiler's name of these processors.
+    pub(super) fn target_cpu(self) -> &'static str {
+        match self {
+            Self::V1 => "x86-64",
+            Self::V2 => "x86-64-v2",
+            Self::V3 => "x86-64-v3",
+            Self::V4 => "x86-64-v4",
+        }
+    }
 }
 
 impl Default for StudyArguments {
@@ -72,6 +101,7 @@ impl Default for StudyArguments {
             record: None,
             seed: DEFAULT_SEED,
             peers: false,
+            build: None,
         }
     }
 }

@@ -15,6 +15,7 @@
 mod args;
 mod list;
 mod memory;
+mod other_build;
 mod render;
 mod scene;
 mod signals;

@@ -11,7 +11,7 @@ use raylanes::study::{self, Progress};
 use raylanes::tracer::{Error, SceneSource, check_output, printable_path, start_global_pool};
 
 use super::args::{StudyArguments, TimeKernelsArguments};
-use super::terminal;
+use super::{other_build, terminal};
 
 pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<String, Error> {
     progress.suspend(terminal::warn_of_slow_build);
@@ -37,7 +37,8 @@ pub(super) fn run(arguments: &StudyArguments, progress: &Progress) -> Result<Str
     check_results(reserved.path())?;
     let StudyArguments { quick, large, seed, peers, .. } = *arguments;
     let own = env::current_exe().map_err(|source| Error::Io { action: "find", file: "this program".into(), source })?;
-    let options = study::Options { scenes, quick, large, seed, peers, program: Some(own) };
+    let other = arguments.build.map(|level| other_build::make(level, progress)).transpose()?;
+    let options = study::Options { scenes, quick, large, seed, peers, program: Some(own), other };
     let record = study::run(&options, progress)?;
     progress.note("writing");
     let write = if arguments.record.is_some() { study::write_new } else { study::write };

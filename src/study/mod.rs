@@ -39,5 +39,5 @@ pub use measure::{accuracy, coherence, ray_sets, speed};
 pub use present::terminal::terminal_table;
 pub use progress::Progress;
 pub use record::folder::{make_folder, new_record, reserve};
-pub use run::{Options, run};
+pub use run::{Options, OtherBuild, run};
 pub use write::{RESULT_EXTENSIONS, write, write_new};

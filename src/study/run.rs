@@ -36,6 +36,17 @@ pub struct Options {
     /// The program `raylanes` of this build: kernels are timed in several of its processes. Without it, this process
     /// times them.
     pub program: Option<PathBuf>,
+    /// Another build of the program, to be timed beside this one. Needs `program`.
+    pub other: Option<OtherBuild>,
+}
+
+/// The program, built for other processors.
+#[derive(Clone, Debug)]
+pub struct OtherBuild {
+    /// The processors, as the compiler names them: `x86-64-v3`.
+    pub target: String,
+    /// The program `raylanes` of that build.
+    pub program: PathBuf,
 }
 
 impl Options {
@@ -63,6 +74,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part] =
         if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [51.0, 58.0, 20.0, 40.0, 29.0, 4.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
+    let speed_part = if options.other.is_some() { 2.0 * speed_part } else { speed_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
     let parts = progress.parts(&[
         speed_part,
@@ -85,17 +97,27 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let (processes, rounds, picture, scene_rounds) = if options.quick { (2, 2, 32, 1) } else { (5, 7, 192, 3) };
     let timed = Timed { seed: options.seed, rounds, scenes: options.scenes.clone(), picture, scene_rounds };
     let mut reach = |share| speed_part.reach(share);
-    let times = match &options.program {
-        Some(program) => processes::time_in_processes(program, processes, &timed, &mut reach)?,
+    let of_builds = match &options.program {
+        Some(program) => {
+            let other = options.other.iter().map(|other| other.program.as_path());
+            let programs: Vec<_> = [program.as_path()].into_iter().chain(other).collect();
+            processes::time_in_processes(&programs, processes, &timed, &mut reach)?
+        }
         None => {
             let all = Timed { rounds: processes * rounds, scene_rounds: processes * scene_rounds, ..timed };
-            vec![processes::time_here(&all, &mut |share| {
+            vec![vec![processes::time_here(&all, &mut |share| {
                 reach(share);
                 Ok(())
-            })?]
+            })?]]
         }
     };
-    let times = rounds::merge(&times)?;
+    let mut of_builds = of_builds.iter().map(|groups| rounds::merge(groups));
+    let times = of_builds.next().expect("this build is timed")?;
+    let other_times = of_builds.next().transpose()?.unwrap_or_default();
+    let other_build = options.other.as_ref().map(|other| other.target.clone());
+    if let Some(target) = &other_build {
+        rounds::same_in_both(&times, &other_times, target)?;
+    }
 
     let mut errors = Errors { survey: Survey::new(options.quick, options.seed), claims: Vec::new() };
     let shapes = accuracy_part.parts(&[32.0, 3.5, 6.0, 6.0, 3.0, 4.5]);
@@ -148,6 +170,9 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
         claims,
         maps: survey.maps,
         map_cells: survey.map_cells,
+        other_build,
+        other_speed: speed.rows_of_other_build(&other_times)?,
+        other_scene_speed: scene_speed::rows_of_other_build(&on_scenes, &other_times)?,
         on_scenes,
         scene_speed,
         tracer: tracer_rows,

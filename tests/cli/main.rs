@@ -137,6 +137,31 @@ fn a_build_without_peers_says_how_to_build_with_them() {
     fails(&["study", "--peers"], &["--peers", "cargo run --release --features peers"]);
 }
 
+/// Another build needs cargo. What goes wrong with it is said before anything is measured.
+#[cfg(all(unix, target_arch = "x86_64"))]
+#[test]
+fn a_build_that_cannot_be_made_is_an_error_that_says_why() {
+    let folder = Folder::new("builds");
+    let cargo =
+        folder.file("cargo", "#!/bin/sh\necho 'warning: first' >&2\necho 'error: no such level' >&2\nexit 101\n");
+    fs::set_permissions(&cargo, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    for (cargo, expected) in [
+        (None, "--build: start the study with cargo: cargo run --release -- study --build ..."),
+        (Some("/nowhere/cargo"), "cannot start /nowhere/cargo: No such file or directory"),
+        (Some(text(&cargo)), "--build: cargo cannot build for x86-64-v3: error: no such level"),
+    ] {
+        let mut program = program();
+        program.args(["study", "room:small", "--quick", "--build", "v3", "--out", "out"]).current_dir(&folder.0);
+        program.env_remove("CARGO").env("CARGO_MANIFEST_DIR", &folder.0);
+        program.envs(cargo.map(|cargo| ("CARGO", cargo)));
+        let output = program.output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), said.trim_end()), (Some(2), &*format!("raylanes: {expected}")));
+        assert!(!folder.0.join("out").exists(), "a folder was left behind");
+    }
+    fails(&["study", "--build", "v5"], &["v5", "v3"]);
+}
+
 #[test]
 fn an_error_in_a_mesh_names_file_line_and_value() {
     let folder = Folder::new("meshes");

@@ -22,7 +22,7 @@ use raylanes::tracer::{Mode, SceneSource};
 static RECORD: LazyLock<Record> = LazyLock::new(|| {
     let scenes = vec![SceneSource::parse("room:small").unwrap()];
     let peers = cfg!(feature = "peers");
-    let options = Options { scenes, quick: true, large: false, seed: 1, peers, program: None };
+    let options = Options { scenes, quick: true, large: false, seed: 1, peers, program: None, other: None };
     study::run(&options, &Progress::bar()).unwrap()
 });
 

@@ -48,8 +48,8 @@ impl Answers {
 
 /// The times of one kernel in all scenes together: in each round, the geometric mean of the nanoseconds per ray over
 /// the scenes and those sets of rays that are meant. A scene weighs as much as any other. `None` if there are none.
-pub(crate) fn times(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow) -> bool) -> Option<Samples> {
-    let rows: Vec<_> = record.scene_speed.iter().filter(|row| row.kernel == id && is_meant(row)).collect();
+pub(crate) fn times(all: &[SceneSpeedRow], id: &str, is_meant: impl Fn(&SceneSpeedRow) -> bool) -> Option<Samples> {
+    let rows: Vec<_> = all.iter().filter(|row| row.kernel == id && is_meant(row)).collect();
     let groups = rows.first()?.ns_of_rounds.groups();
     let mean = |group: usize, round: usize| {
         let samples = rows.iter().filter_map(|row| row.ns_of_rounds.groups().get(group)?.get(round));
@@ -62,12 +62,12 @@ pub(crate) fn times(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow)
 
 /// Million rays per second of a kernel in the scenes; see [`times`].
 pub(crate) fn mrays(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow) -> bool) -> Option<Estimate> {
-    let ns = typical(&times(record, id, is_meant)?)?;
+    let ns = typical(&times(&record.scene_speed, id, is_meant)?)?;
     Some(Estimate { value: 1e3 / ns.value, low: 1e3 / ns.high, high: 1e3 / ns.low })
 }
 
 /// How much faster the first kernel traces the scenes than the second.
 pub(crate) fn gain(record: &Record, [first, second]: [&str; 2]) -> Option<Estimate> {
-    let [first, second] = [first, second].map(|id| times(record, id, |_| true));
+    let [first, second] = [first, second].map(|id| times(&record.scene_speed, id, |_| true));
     ratio(&second?, &first?)
 }

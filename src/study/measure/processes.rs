@@ -86,28 +86,45 @@ pub fn time_kernels(timed: &Timed, out: &mut dyn Write) -> Result<(), Error> {
     send(&Message::Times(times))
 }
 
-/// Times all that it is told in `count` processes of this program, one after the other.
+/// Times all that it is told in `count` processes of each program, one after the other. The programs take turns, so all
+/// of them suffer equally if the machine is slow for a while. Returns for each program what its processes measured.
 ///
 /// # Errors
 /// If a process cannot be started, fails, or writes something else.
 pub(crate) fn time_in_processes(
-    program: &Path,
+    programs: &[&Path],
     count: usize,
     timed: &Timed,
     after_round: &mut dyn FnMut(f64),
-) -> Result<Vec<Vec<JobTimes>>, Error> {
-    let times = |number: usize| {
-        let mut command = Command::new(program);
-        command.args([TIME_KERNELS, "--seed", &timed.seed.to_string(), "--rounds", &timed.rounds.to_string()]);
-        command.args(["--picture", &timed.picture.to_string(), "--scene-rounds", &timed.scene_rounds.to_string()]);
-        command.arg("--").args(timed.scenes.iter().map(SceneSource::argument));
-        command.env(PADDING, "x".repeat(number * PADDING_BYTES));
-        times_of(command, &mut |share| after_round((number as f64 + share) / count as f64)).map_err(|failure| {
-            let message = format!("process {} of {count} that times kernels: {failure}", number + 1);
-            Error::Argument { argument: program.to_string_lossy().into_owned(), message }
-        })
-    };
-    (0..count).map(times).collect()
+) -> Result<Vec<Vec<Vec<JobTimes>>>, Error> {
+    let mut of_programs = vec![Vec::with_capacity(count); programs.len()];
+    let (mut ended, all) = (0, count * programs.len());
+    for number in 0..count {
+        for (program, times) in programs.iter().zip(&mut of_programs) {
+            let mut done = |share| after_round((f64::from(ended) + share) / all as f64);
+            times.push(time_in_process(program, [number, count], timed, &mut done)?);
+            ended += 1;
+        }
+    }
+    Ok(of_programs)
+}
+
+/// Times all that it is told in process `number` of `count` of a program.
+fn time_in_process(
+    program: &Path,
+    [number, count]: [usize; 2],
+    timed: &Timed,
+    done: &mut dyn FnMut(f64),
+) -> Result<Vec<JobTimes>, Error> {
+    let mut command = Command::new(program);
+    command.args([TIME_KERNELS, "--seed", &timed.seed.to_string(), "--rounds", &timed.rounds.to_string()]);
+    command.args(["--picture", &timed.picture.to_string(), "--scene-rounds", &timed.scene_rounds.to_string()]);
+    command.arg("--").args(timed.scenes.iter().map(SceneSource::argument));
+    command.env(PADDING, "x".repeat(number * PADDING_BYTES));
+    times_of(command, done).map_err(|failure| {
+        let message = format!("process {} of {count} that times kernels: {failure}", number + 1);
+        Error::Argument { argument: program.to_string_lossy().into_owned(), message }
+    })
 }
 
 /// Runs a process until it ends, and reads what it measured. The error is a line that says what went wrong.
@@ -200,6 +217,7 @@ impl Drop for Process {
 
 #[cfg(all(test, unix))]
 mod tests {
+    use std::path::PathBuf;
     use std::time::Instant;
 
     use super::*;
@@ -235,9 +253,26 @@ mod tests {
         let nowhere = times_of(Command::new("/nowhere/program"), &mut |_| ()).unwrap_err();
         assert_eq!(nowhere, "No such file or directory");
         let timed = Timed { seed: 1, rounds: 1, scenes: Vec::new(), picture: 1, scene_rounds: 1 };
-        let error = time_in_processes(Path::new("/nowhere/program"), 5, &timed, &mut |_| ()).unwrap_err().to_string();
+        let error =
+            time_in_processes(&[Path::new("/nowhere/program")], 5, &timed, &mut |_| ()).unwrap_err().to_string();
         let expected = "/nowhere/program: process 1 of 5 that times kernels: No such file or directory";
         assert_eq!(error, expected);
+
+        // Two programs take turns.
+        let folder = std::env::temp_dir().join(format!("raylanes-turns-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let programs = ["a", "b"].map(|name| {
+            let program = folder.join(name);
+            let script = format!("#!/bin/sh\necho {name} >>'{}'\necho '{line}'\n", folder.join("turns").display());
+            std::fs::write(&program, script).unwrap();
+            let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+            std::fs::set_permissions(&program, executable).unwrap();
+            program
+        });
+        let both = time_in_processes(&programs.each_ref().map(PathBuf::as_path), 3, &timed, &mut |_| ());
+        assert_eq!(both.unwrap().iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
+        assert_eq!(std::fs::read_to_string(folder.join("turns")).unwrap(), "a\nb\na\nb\na\nb\n");
+        std::fs::remove_dir_all(&folder).unwrap();
 
         // An interrupt ends the process before it ends by itself.
         let stopped = std::thread::scope(|scope| {

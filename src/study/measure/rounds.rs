@@ -85,6 +85,18 @@ pub(crate) fn merge(groups: &[Vec<JobTimes>]) -> Result<Vec<Times>, Error> {
     merged.collect()
 }
 
+/// Checks that another build computed the same. Each may lack jobs of the other.
+///
+/// # Errors
+/// If a job of both computed something else.
+pub(crate) fn same_in_both(own: &[Times], other: &[Times], target: &str) -> Result<(), Error> {
+    let differs = |own: &&Times| other.iter().any(|other| other.name == own.name && other.checksum != own.checksum);
+    match own.iter().find(differs) {
+        Some(Times { name, .. }) => Err(Error::Disagreement(format!("{name}: this build and that for {target}"))),
+        None => Ok(()),
+    }
+}
+
 /// The times of the job of this name.
 ///
 /// # Errors
@@ -142,8 +154,14 @@ mod tests {
         assert!(of_job(&merged, "c").is_err());
         let error = |second: Vec<JobTimes>| merge(&[first.clone(), second]).unwrap_err().to_string();
         let other = vec![job("a", 1, [1.0; 2]), job("b", 3, [1.0; 2])];
-        assert_eq!(error(other), "hits differ: b: processes 1 and 2");
+        assert_eq!(error(other.clone()), "hits differ: b: processes 1 and 2");
         assert_eq!(error(first[..1].into()), "hits differ: b: processes 1 and 2, which lacks it");
         assert_eq!(merge(&[]).unwrap(), []);
+
+        let [own, differing] = [first.clone(), other.clone()].map(|group| merge(&[group]).unwrap());
+        assert!(same_in_both(&own, &own[..1], "x86-64").is_ok(), "another build may have fewer kernels");
+        let error = same_in_both(&own, &differing, "x86-64").unwrap_err().to_string();
+        assert_eq!(error, "hits differ: b: this build and that for x86-64");
+        assert!(same_in_both(&own[..1], &own, "x86-64").is_ok());
     }
 }

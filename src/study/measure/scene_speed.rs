@@ -94,6 +94,22 @@ impl SceneSpeed {
 /// # Errors
 /// If one was not timed.
 pub(crate) fn rows(judged: &[OnSceneRow], all: &[Times]) -> Result<Vec<SceneSpeedRow>, Error> {
+    rows_of(judged.iter(), all)
+}
+
+/// The rows of another build, without the kernels that it lacks.
+///
+/// # Errors
+/// If a time has no samples.
+pub(crate) fn rows_of_other_build(judged: &[OnSceneRow], all: &[Times]) -> Result<Vec<SceneSpeedRow>, Error> {
+    let is_there = |row: &&OnSceneRow| {
+        let name = name(&row.scene, &row.rays, &row.kernel);
+        all.iter().any(|times| times.name == name)
+    };
+    rows_of(judged.iter().filter(is_there), all)
+}
+
+fn rows_of<'a>(judged: impl Iterator<Item = &'a OnSceneRow>, all: &[Times]) -> Result<Vec<SceneSpeedRow>, Error> {
     let row = |OnSceneRow { scene, rays, kernel, .. }: &OnSceneRow| {
         let times = of_job(all, &name(scene, rays, kernel))?;
         let ns = typical(&times.ns).ok_or_else(|| Error::Disagreement(format!("{}: it has no samples", times.name)))?;
@@ -109,5 +125,5 @@ pub(crate) fn rows(judged: &[OnSceneRow], all: &[Times]) -> Result<Vec<SceneSpee
             checksum: format!("{:016x}", times.checksum),
         })
     };
-    judged.iter().filter(|row| row.rays != EDGES).map(row).collect()
+    judged.filter(|row| row.rays != EDGES).map(row).collect()
 }

@@ -323,7 +323,16 @@ impl Speed {
     /// If two widths or thread counts of a kernel gave different hits: a timing of wrong results is worthless. Or if a
     /// kernel was not timed.
     pub(crate) fn rows(&self, all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
-        Self::rows_of(&self.jobs, all)
+        Self::rows_of(&self.jobs.iter().collect::<Vec<_>>(), all)
+    }
+
+    /// The rows of another build, without the kernels that it lacks.
+    ///
+    /// # Errors
+    /// Like [`Speed::rows`].
+    pub(crate) fn rows_of_other_build(&self, all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
+        let is_there = |job: &&Job| all.iter().any(|times| times.name == job.name(1));
+        Self::rows_of(&self.jobs.iter().filter(is_there).collect::<Vec<_>>(), all)
     }
 
     /// The rows of the loop without a test.
@@ -331,11 +340,11 @@ impl Speed {
     /// # Errors
     /// Like [`Speed::rows`].
     pub(crate) fn loop_rows(&self, all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
-        Self::rows_of(&self.loops, all)
+        Self::rows_of(&self.loops.iter().collect::<Vec<_>>(), all)
     }
 
-    fn rows_of(jobs: &[Job], all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
-        let of_threads = |threads| jobs.iter().map(move |job| (job, threads));
+    fn rows_of(jobs: &[&Job], all: &[Times]) -> Result<Vec<SpeedRow>, Error> {
+        let of_threads = |threads| jobs.iter().map(move |&job| (job, threads));
         let row = |(job, threads): (&Job, usize)| {
             let times = of_job(all, &job.name(threads))?;
             let first = jobs.iter().find(|other| other.id == job.id).expect("the list contains the job itself");

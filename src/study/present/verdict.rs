@@ -109,7 +109,7 @@ fn faster(
 }
 
 /// A ratio with its interval.
-fn interval(ratio: Estimate) -> String {
+pub(crate) fn interval(ratio: Estimate) -> String {
     format!("{} ({} to {})", times(Some(ratio.value)), number(ratio.low, 3), number(ratio.high, 3))
 }
 
@@ -128,7 +128,7 @@ fn failures(group: &Group, kernel: &KernelFigures) -> Option<String> {
 }
 
 /// A workload, and its severity.
-fn place(row: &AccuracyRow) -> String {
+pub(crate) fn place(row: &AccuracyRow) -> String {
     match row.severity {
         Some(step) => format!("{} {}", row.workload.replace('_', " "), severity(step)),
         None => format!("{} rays", row.workload),

@@ -55,6 +55,18 @@ pub struct Record {
     pub on_scenes: Vec<OnSceneRow>,
     /// Scene × rays × kernel: throughput of the tracer with each kernel.
     pub scene_speed: Vec<SceneSpeedRow>,
+    /// The processors for which the other build of the program was made, such as `x86-64-v3`. `null` unless the study
+    /// ran with `--build`.
+    #[serde(default)]
+    pub other_build: Option<String>,
+    /// Like `speed`, of the other build. Its processes took turns with those of this build, so groups of samples at the
+    /// same place were taken one after the other. Kernels that it lacks have no rows. Hits are equal, else the study
+    /// fails.
+    #[serde(default)]
+    pub other_speed: Vec<SpeedRow>,
+    /// Like `scene_speed`, of the other build.
+    #[serde(default)]
+    pub other_scene_speed: Vec<SceneSpeedRow>,
     /// Scene × rays × mode × threads: throughput of the tracer.
     pub tracer: Vec<TracerRow>,
     /// Scene × jitter × mode: the tracer on less and less coherent rays.
