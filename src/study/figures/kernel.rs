@@ -19,7 +19,7 @@ pub(crate) struct KernelFigures<'a> {
     pub(crate) lost: Option<Failures<'a>>,
     /// Hits of what the ray exactly misses. In a mesh, double hits are among them.
     pub(crate) false_hits: Option<Failures<'a>>,
-    /// Both together; for boxes, lost rays alone.
+    /// Both together, for each ray once; for boxes, lost rays alone.
     pub(crate) wrong: Option<Rate>,
     pub(super) record: &'a Record,
 }
@@ -86,30 +86,36 @@ impl<'a> KernelFigures<'a> {
         self.accuracy("generic").and_then(ulp_p99)
     }
 
+    /// The same, in the hardest step of all regimes.
+    pub(crate) fn greatest_ulp(&self) -> Option<u64> {
+        rows_of(self.record, &self.method.id).filter_map(ulp_p99).max()
+    }
+
     /// Whether any answer was wrong.
     pub(crate) fn errs(&self) -> bool {
         self.wrong.is_some_and(|wrong| wrong.events > 0)
     }
 }
 
-/// Failures of one kind over the workloads that decide. All kernels of a group get the same rays.
+/// Failures of one kind. All kernels of a group get the same rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Failures<'a> {
-    /// All workloads together.
+    /// The workloads that decide, together.
     pub(crate) rate: Rate,
-    /// The row with the highest rate, and that rate; `None` if nothing failed.
+    /// The row with the highest rate in any workload, and that rate; `None` if nothing failed.
     pub(crate) worst: Option<(&'a AccuracyRow, Rate)>,
 }
 
 impl<'a> Failures<'a> {
     pub(super) fn over(
         rows: impl Iterator<Item = &'a AccuracyRow>,
+        decides: impl Fn(&AccuracyRow) -> bool,
         rate: impl Fn(&AccuracyRow) -> Option<Rate>,
     ) -> Option<Self> {
         let rates: Vec<_> = rows.filter_map(|row| Some((row, rate(row)?))).collect();
         let failing = rates.iter().filter(|(_, rate)| rate.events > 0).copied();
         Some(Self {
-            rate: Rate::sum(rates.iter().map(|&(_, rate)| rate))?,
+            rate: Rate::sum(rates.iter().filter(|(row, _)| decides(row)).map(|&(_, rate)| rate))?,
             worst: failing.max_by(|(_, a), (_, b)| a.per_million().total_cmp(&b.per_million())),
         })
     }

@@ -66,8 +66,12 @@ pub(crate) fn mrays(record: &Record, id: &str, is_meant: impl Fn(&SceneSpeedRow)
     Some(Estimate { value: 1e3 / ns.value, low: 1e3 / ns.high, high: 1e3 / ns.low })
 }
 
-/// How much faster the first kernel traces the scenes than the second.
-pub(crate) fn gain(record: &Record, [first, second]: [&str; 2]) -> Option<Estimate> {
-    let [first, second] = [first, second].map(|id| times(&record.scene_speed, id, |_| true));
+/// How much faster the first kernel traces the scenes than the second, with those sets of rays that are meant.
+pub(crate) fn gain(
+    record: &Record,
+    [first, second]: [&str; 2],
+    is_meant: impl Fn(&SceneSpeedRow) -> bool,
+) -> Option<Estimate> {
+    let [first, second] = [first, second].map(|id| times(&record.scene_speed, id, &is_meant));
     ratio(&second?, &first?)
 }

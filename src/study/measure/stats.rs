@@ -18,7 +18,7 @@ use rand_pcg::Pcg32;
 use crate::study::record::Samples;
 
 /// Number of resamples of a bootstrap interval.
-const RESAMPLES: usize = 1000;
+const RESAMPLES: usize = 4000;
 
 /// The middle value. For an even number of values, the mean of the two middle ones. NaN if there are no values.
 pub fn median(values: &[f64]) -> f64 {

@@ -4,6 +4,7 @@
 use crate::study::figures::on_scenes::{Answers, gain};
 use crate::study::figures::{Failures, Group, KernelFigures, Loss, count, number, severity, si, tied, times};
 use crate::study::measure::stats::{Estimate, median};
+use crate::study::ray_sets::{EDGES, NAMES};
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
 /// The report warns if the median absolute deviation of the timings exceeds this share of the median.
@@ -23,7 +24,8 @@ pub(crate) fn verdict_list(record: &Record, groups: &[Group]) -> Option<String> 
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
-/// The lines about one group: the kernel to use, and the fastest one if that is another.
+/// The lines about one group: the kernel to use, the fastest one if that is another, and those that are faster in whole
+/// scenes.
 fn lines(record: &Record, group: &Group, title: &str) -> Vec<String> {
     let (safest, fastest) = (group.safest(), group.fastest(PACKET));
     let [best, ties @ ..] = &safest[..] else { return Vec::new() };
@@ -32,13 +34,14 @@ fn lines(record: &Record, group: &Group, title: &str) -> Vec<String> {
         [] => {}
         kernels if kernels.iter().any(|kernel| kernel.name == best.name) => {
             lines.push(format!(
-                "No kernel for {} is faster than `{}` by more than the noise.",
+                "No kernel for {} is faster than `{}` per test by more than the noise.",
                 plural(group),
                 best.name
             ));
         }
         [first, ties @ ..] => lines.extend(faster(record, group, first, ties, best)),
     }
+    lines.extend(faster_in_scenes(record, group, best));
     lines
 }
 
@@ -67,19 +70,22 @@ fn recommended(
     let aimed = if best.errs() {
         format!("has the fewest wrong answers: {}", failures(group, best)?)
     } else {
-        let hard = match group.loss {
-            Loss::Leaks => "edges and vertices",
-            Loss::WithBoundary => "edges, corners and thin boxes",
-            Loss::Strict => "silhouettes, rims and distant surfaces",
+        let what = match group.loss {
+            Loss::Leaks => ["gave no wrong answer to", "rays at edges and vertices of meshes, or leaving a surface"],
+            Loss::WithBoundary => ["lost none of", "rays that hit boxes at edges, corners and in thin places"],
+            Loss::Strict => ["gave no wrong answer to", "rays at silhouettes, rims and distant surfaces"],
         };
-        format!("gave no wrong answer to {} rays aimed at {hard}", si(best.lost?.rate.of as f64, 3))
-            + &format!(" (95 %: fewer than {} per million)", number(wrong.or_bound(), 2))
+        let (rays, bound) = (si(wrong.of as f64, 3), number(wrong.or_bound(), 2));
+        format!("{} {rays} {} (95 %: fewer than {bound} per million)", what[0], what[1])
     };
-    let pictures = in_pictures(record, best).map_or(String::new(), |text| format!(", and {text}"));
+    // Edges of scenes are those of triangles.
+    let edges = if group.shape == "triangle" { at_edges(record, best) } else { None };
+    let scenes = in_pictures(record, best).into_iter().chain(edges);
     Some(format!(
-        "**{title}: `{}`**{} {aimed}{pictures}. Speed: {} tests/s.",
+        "**{title}: `{}`**{} {aimed}. {}Speed: {} tests/s.",
         best.name,
         tied_with(ties),
+        scenes.map(|text| text + ". ").collect::<String>(),
         si(best.speed(PACKET, 1)?.tests_per_second, 3)
     ))
 }
@@ -96,16 +102,58 @@ fn faster(
         let gain = best.ns(width).zip(first.ns(width)).map(|(best, first)| best / first);
         format!("{} ({width})", times(gain))
     });
-    let scenes = gain(record, [&first.method.id, &best.method.id]);
-    let scenes = scenes.map_or(String::new(), |gain| format!("; whole scenes: {}", interval(gain)));
-    let pictures = in_pictures(record, first).map_or(String::new(), |text| format!("; {text}"));
+    let ids = [&*first.method.id, &*best.method.id];
+    let scenes = gain(record, ids, |_| true).map_or(String::new(), |all| {
+        let of_rays = |rays: &str| {
+            let gain = gain(record, ids, |row| row.rays == rays)?;
+            Some(format!("{rays} {}", times(Some(gain.value))))
+        };
+        let of_rays: Vec<_> = NAMES.iter().filter_map(|rays| of_rays(rays)).collect();
+        format!(", and {} in whole scenes ({})", interval(all), of_rays.join(", "))
+    });
+    let pictures = in_pictures(record, first).map_or(String::new(), |text| format!(" {text}."));
     Some(format!(
-        "`{}`{} is faster, {} per test{scenes}. It is wrong: {}{pictures}.",
+        "`{}`{} is faster: {} per test{scenes}. It is wrong: {}.{pictures}",
         first.name,
         tied_with(ties),
         widths.join(", "),
         failures(group, first)?
     ))
+}
+
+/// The kernels that answer as many rays of pictures rightly as the recommended one, and are faster there. Tests of
+/// single primitives do not show this.
+fn faster_in_scenes(record: &Record, group: &Group, best: &KernelFigures) -> Option<String> {
+    let wrong = |kernel: &KernelFigures| Some(Answers::in_pictures(record, &kernel.method.id)?.wrong());
+    let most = wrong(best)?.events;
+    let mut faster: Vec<_> = group
+        .kernels
+        .iter()
+        .filter(|kernel| wrong(kernel).is_some_and(|wrong| wrong.events <= most))
+        .filter_map(|kernel| Some((kernel, gain(record, [&kernel.method.id, &best.method.id], |_| true)?)))
+        .filter(|(_, gain)| gain.low > 1.0)
+        .collect();
+    faster.sort_by(|(_, a), (_, b)| b.value.total_cmp(&a.value));
+    if faster.is_empty() {
+        return None;
+    }
+    let named = |(kernel, gain): &(&KernelFigures, Estimate)| format!("`{}` {}", kernel.name, times(Some(gain.value)));
+    let names: Vec<_> = faster.iter().map(named).collect();
+    let mut line =
+        format!("As right in pictures as `{}`, and faster in whole scenes: {}.", best.name, names.join(", "));
+    // Edges of scenes are those of triangles.
+    if group.shape == "triangle" {
+        let wrong = |kernel: &KernelFigures| Some(Answers::at_edges(record, &kernel.method.id)?.wrong().per_million());
+        let mut rates: Vec<f64> = faster.iter().filter_map(|(kernel, _)| wrong(kernel)).collect();
+        rates.sort_by(f64::total_cmp);
+        if let [least, .., most] | [least @ most] = rates[..] {
+            let [least, most, own] = [least, most, wrong(best)?].map(|rate| number(rate, 2));
+            let range = if least == most { least } else { format!("{least} to {most}") };
+            line +=
+                &format!(" Of rays at edges of scenes, they get {range} per million wrong, and `{}` {own}.", best.name);
+        }
+    }
+    Some(line)
 }
 
 /// A ratio with its interval.
@@ -139,13 +187,27 @@ pub(crate) fn place(row: &AccuracyRow) -> String {
 fn in_pictures(record: &Record, kernel: &KernelFigures) -> Option<String> {
     let answers = Answers::in_pictures(record, &kernel.method.id)?;
     let wrong = answers.wrong();
-    Some(format!("{} of {} rays of whole pictures are wrong", count(wrong.events), si(wrong.of as f64, 3)))
+    let neighbours = match answers.neighbours.events {
+        0 => String::new(),
+        events => format!(" ({} more name a triangle that touches the right one)", count(events)),
+    };
+    Some(format!("Of {} rays of whole pictures, {} are wrong{neighbours}", si(wrong.of as f64, 3), count(wrong.events)))
 }
 
-/// Half the width of the median interval, relative to the time; `None` if there are no timings.
+/// How many rays at edges of the scenes a kernel gets wrong, and in which scenes.
+fn at_edges(record: &Record, kernel: &KernelFigures) -> Option<String> {
+    let wrong = Answers::at_edges(record, &kernel.method.id)?.wrong();
+    let rows = record.on_scenes.iter().filter(|row| row.rays == EDGES && row.kernel == kernel.method.id);
+    let scenes: Vec<_> = rows.filter(|row| row.lost + row.false_hits > 0).map(|row| row.scene.as_str()).collect();
+    let scenes = if scenes.is_empty() { String::new() } else { format!(" ({})", scenes.join(", ")) };
+    Some(format!("Of {} rays at edges of scenes, {}{scenes}", si(wrong.of as f64, 3), count(wrong.events)))
+}
+
+/// Half the width of the median interval of packets, relative to the time; `None` if there are no timings.
 pub(crate) fn spread(record: &Record) -> Option<f64> {
     let half_width = |row: &SpeedRow| (row.ns_per_test_high - row.ns_per_test_low) / 2.0 / row.ns_per_test;
-    let spreads: Vec<f64> = record.speed.iter().filter(|row| row.threads == 1).map(half_width).collect();
+    let packets = record.speed.iter().filter(|row| row.threads == 1 && row.width == PACKET);
+    let spreads: Vec<f64> = packets.map(half_width).collect();
     Some(median(&spreads)).filter(|spread| spread.is_finite())
 }
 
@@ -161,9 +223,13 @@ pub(crate) fn noise(record: &Record, groups: &[Group]) -> Option<String> {
     }
     let warning = if spread > NOISY { "**The machine was noisy: trust only large differences.** " } else { "" };
     Some(format!(
-        "{warning}A ray is lost if it exactly hits and is reported to miss. Speeds are those of packets of eight in \
-         one thread. The median interval reaches {} % to either side. In the rankings of packets, {ties} of {pairs} \
-         pairs of neighbours tie: the interval of their ratio contains 1, so neither kernel is called faster.",
+        "{warning}Speeds are those of one thread. `1x1` tests one ray against one primitive, `8x1` eight rays against \
+         one, `1x8` one ray against eight; without a width, `8x1` is meant. Half the width of the median interval of \
+         `8x1` is {} %. In the rankings of `8x1`, {ties} of {pairs} pairs of neighbours tie: the interval of their \
+         ratio contains 1, so neither kernel is called faster. Lost rays of triangles are those that exactly hit a \
+         mesh and are reported to miss all of it; T-junctions are left out. A false hit of a box only costs a look \
+         inside. Of kernels that tie in wrong answers, the one with most claims is recommended, and of these the \
+         fastest. Rays at the same mesh are not independent, so the intervals of counts are rather too narrow.",
         number(100.0 * spread, 2)
     ))
 }
@@ -195,21 +261,32 @@ mod tests {
         set(&mut record, "triangle/a", &[1.0; 3]);
         set(&mut record, "triangle/b", &[2.0; 3]);
         set(&mut record, "triangle/c", &[2.01, 1.99, 2.02]);
-        let [safest, faster] = &lines(&record)[..] else { panic!("{:?}", lines(&record)) };
+        let [safest, faster, in_scenes] = &lines(&record)[..] else { panic!("{:?}", lines(&record)) };
         assert!(safest.starts_with("**Triangles: `b`** (tied: `c`) gave no wrong answer to "), "{safest}");
-        assert!(safest.contains("rays aimed at edges and vertices (95 %: fewer than "), "{safest}");
-        let expected = "`a` is faster, 2.00× (8x1), 2.00× (1x1), 2.00× (1x8) per test; whole scenes: ";
+        assert!(safest.contains("leaving a surface (95 %: fewer than "), "{safest}");
+        assert!(
+            safest.contains(". Of 1.05 M rays of whole pictures, 160 are wrong (28 more name a triangle that "),
+            "{safest}"
+        );
+        assert!(safest.contains(". Of 262 k rays at edges of scenes, 5,040 (room). Speed: "), "{safest}");
+        let expected = "`a` is faster: 2.00× (8x1), 2.00× (1x1), 2.00× (1x8) per test, and ";
         assert!(faster.starts_with(expected), "{faster}");
         assert!(faster.contains("loses 6.0 % in the worst regime measured (vertex fan 4)"), "{faster}");
-        assert!(faster.contains(" rays of whole pictures are wrong"), "{faster}");
+        assert!(faster.contains(" in whole scenes (primary "), "{faster}");
+        assert!(faster.contains("). Of 1.05 M rays of whole pictures, 0 are wrong"), "{faster}");
+        // `c` is slower in scenes, and `a` is faster there too. Neither has more wrong rays.
+        let expected = "As right in pictures as `b`, and faster in whole scenes: `a` 1.03×. Of rays at edges of scenes, \
+                        they get 0 per million wrong, and `b` 19,000.";
+        assert!(in_scenes.starts_with(expected), "{in_scenes}");
         // Slower by more than the noise: no longer tied.
         set(&mut record, "triangle/c", &[2.03, 2.01, 2.04]);
         assert!(lines(&record)[0].starts_with("**Triangles: `b`** gave no wrong answer"), "{}", lines(&record)[0]);
         // A kernel that is both is recommended, and nothing is faster.
         set(&mut record, "triangle/b", &[0.5; 3]);
-        assert_eq!(lines(&record)[1], "No kernel for triangles is faster than `b` by more than the noise.");
+        assert_eq!(lines(&record)[1], "No kernel for triangles is faster than `b` per test by more than the noise.");
         let titles = ["**Triangles: `", "`", "**Boxes: `", "`", "**Quadrics: `", "`"];
-        let all = lines(&record_of(&all_ids()));
+        let mut all = lines(&record_of(&all_ids()));
+        all.retain(|line| !line.starts_with("As right in pictures"));
         for (line, title) in all.iter().zip(titles) {
             assert!(line.starts_with(title) || line.starts_with("No kernel for"), "{all:#?}");
         }
@@ -230,7 +307,7 @@ mod tests {
             set_rounds(row, &[if row.id.ends_with("/a") { 1.0 } else { 2.0 }; 3]);
         }
         let lines = lines(&record);
-        assert!(lines[0].starts_with("**Boxes: `a`** gave no wrong answer"), "{lines:#?}");
+        assert!(lines[0].starts_with("**Boxes: `a`** lost none of "), "{lines:#?}");
         assert!(lines[2].starts_with("**Quadrics: `b`** gave no wrong answer"), "{lines:#?}");
         assert!(lines[3].contains("hits falsely or twice 59 % in the worst regime measured (edge rays)"), "{lines:#?}");
     }
@@ -239,7 +316,7 @@ mod tests {
     fn noise_is_reported_and_ties_are_counted() {
         let mut record = record_of(&["triangle/a".into(), "triangle/b".into(), "triangle/c".into()]);
         let text = |record: &Record| noise(record, &groups(record)).unwrap();
-        assert!(text(&record).contains("reaches 1.2 % to either side") && text(&record).contains(" 0 of 2 pairs"));
+        assert!(text(&record).contains("interval of `8x1` is 1.2 %") && text(&record).contains(" 0 of 2 pairs"));
         for (number, row) in record.speed.iter_mut().enumerate() {
             let noise = [0.2, 1.0, 5.0][number / 6];
             set_rounds(row, &[1.0, noise, 1.0 / noise]);

@@ -4,8 +4,9 @@
 use super::cells::code;
 use crate::study::figures::failures::{Metric, Verdict, verdict_by};
 use crate::study::figures::on_scenes::Answers;
-use crate::study::figures::{Group, KernelFigures, MISSING, Rate, number, optional};
+use crate::study::figures::{Failures, Group, KernelFigures, MISSING, Rate, count, number, optional};
 use crate::study::present::grid::{Cell, Grid};
+use crate::study::present::verdict::place;
 use crate::study::record::Record;
 
 /// The figures of both charts: speed per test, and wrong answers where rays are aimed, in pictures and at edges.
@@ -22,10 +23,8 @@ pub(super) fn figures(record: &Record, groups: &[&Group]) -> String {
     ];
     let mut grid = Grid::new(1, header);
     for group in groups {
-        let safest = group.safest();
         for kernel in &group.kernels {
-            let is_safe = safest.iter().any(|safe| safe.method.id == kernel.method.id);
-            let mut row = vec![code(&kernel.method.id).best_if(is_safe)];
+            let mut row = vec![code(&kernel.method.id).best_if(group.is_among_the_safest(kernel))];
             row.extend(["1x1", "8x1", "1x8"].map(|width| {
                 Cell::from(optional(kernel.mtests(width, 1), 3)).best_if(group.is_among_the_fastest(kernel, width))
             }));
@@ -49,29 +48,50 @@ pub(super) fn figures(record: &Record, groups: &[&Group]) -> String {
     )
 }
 
-/// For each kernel, the regimes in which it gives wrong answers.
+/// For each kernel, the regimes in which it gives wrong answers, and its worst rates.
 pub(super) fn what_fails(record: &Record, groups: &[&Group]) -> String {
-    let mut grid = Grid::new(2, ["kernel", "more than 0.1 % of its answers are wrong in"]);
+    let header = ["kernel", "wrong in", "loses at most, %", "false or double at most, %"];
+    let mut grid = Grid::new(2, header);
     for group in groups {
         for kernel in &group.kernels {
-            grid.rows.push(vec![code(&kernel.method.id), Cell::from(fails_in(record, group, kernel))]);
+            let worst = |failures: Option<Failures>| {
+                let worst = failures.and_then(|failures| failures.worst);
+                let text = |(row, rate): (_, Rate)| format!("{} ({})", number(rate.per_million() / 1e4, 2), place(row));
+                Cell::from(worst.map_or("0".into(), text))
+            };
+            // A false hit of a bounding box is harmless.
+            let false_hits = if group.shape == "aabb" { Cell::from(MISSING) } else { worst(kernel.false_hits) };
+            let fails = Cell::from(fails_in(record, group, kernel));
+            grid.rows.push(vec![code(&kernel.method.id), fails, worst(kernel.lost), false_hits]);
         }
     }
     format!(
         "## What fails where\n\nA regime is a workload that gets harder step by step; the [appendix](appendix.md) \
-         shows each of them, with the figures. `from` and `at` name the steps, in the unit of the regime.\n\n{}",
+         explains each of them. A kernel is *wrong in* a regime if more than 0.1 % of its answers are wrong at one of \
+         its steps. In brackets: the workload, and the step, in the regime's unit.\n\n{}",
         grid.markdown()
     )
 }
 
 fn fails_in(record: &Record, group: &Group, kernel: &KernelFigures) -> String {
     let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
-    let failing = regimes.filter_map(|regime| match verdict_by(kernel, regime, |metric| metric != Metric::Ulp)? {
-        Verdict::Fails { at, .. } => Some(format!("{} {at}", regime.name.replace('_', " "))),
-        Verdict::Holds { .. } => None,
-    });
-    let failing: Vec<_> = failing.collect();
-    if failing.is_empty() { "none".into() } else { failing.join("; ") }
+    let (mut failing, mut holding) = (Vec::new(), Vec::new());
+    for regime in regimes {
+        let name = regime.name.replace('_', " ");
+        match verdict_by(kernel, regime, |metric| metric != Metric::Ulp) {
+            Some(Verdict::Fails { .. }) => failing.push(name),
+            Some(Verdict::Holds { .. }) => holding.push(name),
+            None => {}
+        }
+    }
+    match (&failing[..], &holding[..]) {
+        ([], _) => "none".into(),
+        (failing, []) => format!("all {}", failing.len()),
+        (failing, holding) if failing.len() > holding.len() => {
+            format!("all but {} of {}: {}", holding.len(), failing.len() + holding.len(), holding.join(", "))
+        }
+        (failing, _) => failing.join(", "),
+    }
 }
 
 /// Which kernel fits which need, among those with the fewest wrong answers.
@@ -102,16 +122,17 @@ fn needs(group: &Group) -> Vec<String> {
             best.name
         ));
     }
-    let error = |kernel: &&KernelFigures| kernel.ulp().unwrap_or(u64::MAX);
+    // Rows that count no hits have no error.
+    let error = |kernel: &&KernelFigures| kernel.greatest_ulp().unwrap_or(u64::MAX);
     if let Some(exact) = right.iter().copied().min_by_key(error).filter(|exact| error(exact) < error(best)) {
         lines.push(format!(
-            "- {}, if `t` itself matters: `{}` is off by at most {} units in the last place in 99 % of easy rays, \
-             `{}` by {}.",
+            "- {}, if `t` itself matters: in the hardest step of all regimes, 99 % of the errors of `{}` stay below {} \
+             units in the last place, and those of `{}` below {}.",
             group.title,
             exact.name,
-            number(error(&exact) as f64, 3),
+            count(error(&exact)),
             best.name,
-            number(error(best) as f64, 3)
+            count(error(best))
         ));
     }
     lines

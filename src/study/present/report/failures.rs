@@ -156,7 +156,9 @@ pub(super) fn failure_maps(record: &Record, groups: &[Group]) -> Vec<String> {
 /// The section on claims. Kernel × claim: kept or broken, whether the kernel makes the claim or not.
 pub(super) fn claims(record: &Record, groups: &[Group]) -> Vec<String> {
     let text = "## Claims\n\nWhat kernels claim, and whether any ray broke a claim. Kernels that do not make a claim \
-                are tested too: a claim that every kernel keeps would tell nothing.";
+                are tested too: a claim that every kernel keeps would tell nothing. For quadrics, `right-decision` and \
+                `no-gross-error` do not cover the workload `edge`, whose rays pass as close as possible to \
+                silhouettes, rims and apices.";
     let mut parts = Vec::new();
     for group in groups {
         let rows = |id: &str| record.claims.iter().filter(move |row| row.id == id).collect::<Vec<_>>();

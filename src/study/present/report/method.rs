@@ -13,7 +13,8 @@ pub(super) const METHOD: &str = "\
 data is in the first-level cache. The time per test is the total time divided by rays × primitives. It includes \
 loading, the test, keeping the closer hit, and the ray's setup, spread over the primitives. No ray is timed twice in a \
 row, so the processor cannot predict branches from memory, as in a tracer. Cache misses of a real traversal are not \
-included. In a tracer, expect kernels to differ less than here, and kernels with many prepared bytes to do worse.
+included. In a tracer, kernels with many prepared bytes do worse, and ratios differ: *The same scenes, every kernel* \
+shows them.
 
 **What is compared.** Times of kernels are medians over several processes, because the layout of code and memory moves \
 the median of one process by more than its samples differ. The samples of all kernels are interleaved in rounds. \
@@ -26,7 +27,8 @@ absolute figures, and more than ratios between records.
 **What the errors describe.** Rays are seeded and aimed. `generic` rays go into and past a primitive of about unit \
 size from a few units away. `edge` rays go to edges, vertices, corners and planes, and to the silhouettes, rims and \
 apices of quadrics. The rates describe these workloads. The rays of a picture hit edges far less often. Harder \
-geometry (slivers, large distances) may have far larger errors.
+geometry (slivers, large distances) may have far larger errors. Intervals of counts assume independent rays. Rays at \
+the same mesh are not quite independent, so intervals are rather too narrow where errors are frequent.
 
 **Why both belong together.** The scalar twin and the packet twin of a kernel are separate code and give identical \
 bits. The checksums below confirm this for the timed rays: they are equal for all widths and thread counts.";

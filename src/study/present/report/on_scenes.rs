@@ -11,9 +11,11 @@ const ABOUT: &str = "\
 ## The same scenes, every kernel
 
 Every kernel gets the trees and the rays of the same scenes. Each answer is compared with the exact one of the whole \
-scene: the oracle decides all primitives whose boxes the ray may meet. Rays start where the exact kernel hits. Wrong \
-answers are per million rays; speeds are those of one thread. A ray is *lost* if it exactly ends at a surface and is \
-reported to end behind it or nowhere. It is *false* if it is reported to hit what it exactly misses; if that touches \
+scene: the oracle decides all primitives whose boxes the ray may meet. Rays of pictures start where the exact kernel \
+hits, moved off the surface by the tracer's error bound; other starts give other rates of hits on the surface left. \
+Instances move rays by a transform in `f32`, so that no kernel is exact behind it. Wrong answers are per million rays; \
+speeds are those of one thread. A ray is *lost* if it exactly ends at a surface and is reported to end behind it or \
+nowhere. It is *false* if it is reported to hit what it exactly misses; if that touches \
 the right triangle, it is a *neighbour*, and the place is right up to rounding. *Pictures* are primary, shadow, bounce \
 and ambient-occlusion rays together. \
 *Edges* are rays from the eye at random points on edges of the triangles in sight, as far as `f32` can aim.";

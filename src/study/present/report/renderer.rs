@@ -28,12 +28,12 @@ pub(super) fn section(record: &Record, groups: &[&Group]) -> Option<String> {
         format!(
             "## Points, and rays that start there\n\nA *point* is where a kernel says that a ray hits. The table gives \
              its distance from the exact point in the hardest step of all regimes: 99 % of the points are nearer. The \
-             unit is the size of the primitive, which is the longest edge of a triangle. `t` in units in the last place \
-             does not tell this: at a grazing angle, thousands of them move a point by little.\n\n*Hits itself*: rays \
-             that leave the surface from such a point, and are reported to hit it again. They start off the surface by \
-             the tracer's error bound (*offset*), or at the point with a `t_min`, relative to the largest coordinate or \
-             to the length of the ray before, or there with a `t_min` of 0. A `t_min` also hides what is nearer. All \
-             workloads count together.\n\n{}",
+             unit is the size of the primitive, which is the longest edge of a triangle. `t` in units in the last \
+             place does not tell this: at a grazing angle, thousands of them move a point by little.\n\n\
+             *Hits itself*: rays that leave the surface from such a point, and are reported to hit it again. They \
+             start off the surface by the tracer's error bound (*offset*), or at the point with a `t_min`, relative to \
+             the largest coordinate or to the length of the ray before, or there with a `t_min` of 0. A `t_min` also \
+             hides what is nearer. All workloads count together.\n\n{}",
             grid.markdown()
         )
     })
