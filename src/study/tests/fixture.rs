@@ -12,7 +12,7 @@ use crate::study::record::{
 use crate::study::workload::Counts;
 use crate::tracer::Mode;
 
-const TRIANGLES: [&str; 9] = [
+const TRIANGLES: [&str; 10] = [
     "cramer",
     "moller_trumbore",
     "kensler_shirley",
@@ -22,6 +22,7 @@ const TRIANGLES: [&str; 9] = [
     "woop_half_open",
     "woop_dop",
     "moller_trumbore_f64",
+    "moller_trumbore_epsilon",
 ];
 const QUADRICS: [&str; 4] = ["naive", "stable", "mixed", "f64"];
 const BOXES: [&str; 5] = ["division", "reciprocal", "sign_selected", "fused", "padded"];

@@ -16,7 +16,7 @@ use super::svg::SubjectGroup;
 /// Space between names and panels, and between two panels.
 const GAP: i32 = 14;
 /// Minimum width of a panel of share 1.
-const NARROWEST: i32 = 88;
+const NARROWEST: i32 = 54;
 const HEADING: i32 = 26;
 /// Space between the edges of a panel and the ends of its axis.
 const INSET: i32 = 9;
@@ -36,8 +36,6 @@ pub(super) struct DotPlot {
     pub(super) groups: Vec<Group>,
     /// When a dot is red, in a few words.
     pub(super) failure: String,
-    /// Which names are bold, in a few words.
-    pub(super) bold: String,
 }
 
 /// A column of the plot.
@@ -50,7 +48,8 @@ pub(super) struct Panel {
     pub(super) share: i32,
     /// A value that is marked by a line across the rows.
     pub(super) reference: Option<f64>,
-    /// The meaning of each shape, at most four. Empty if there is one dot in a row.
+    /// The meaning of each shape, at most four. Empty if there is one dot in a row. Panels with the same meaning share
+    /// an entry of the legend.
     pub(super) marks: Vec<String>,
 }
 
@@ -202,10 +201,8 @@ fn tick_label(value: f64) -> String {
 impl DotPlot {
     /// Draws the plot.
     pub(super) fn svg(&self) -> String {
-        let left = MARGIN + self.rows().map(|row| name_width(&row.name)).max().unwrap_or(0) + GAP;
-        let shares: i32 = self.panels.iter().map(|panel| panel.share).sum::<i32>().max(1);
-        let gaps = GAP * (self.panels.len() as i32 - 1).max(0);
-        let width = WIDTH.max(left + NARROWEST * shares + gaps + MARGIN);
+        let (left, shares, gaps) = (self.left(), self.shares(), self.gaps());
+        let width = self.width();
         let space = width - left - gaps - MARGIN;
         let mut next = left;
         let columns: Vec<Range<i32>> = self
@@ -242,6 +239,26 @@ impl DotPlot {
             }
             Ok(())
         })
+    }
+
+    /// The width of the plot.
+    fn width(&self) -> i32 {
+        WIDTH.max(self.left() + NARROWEST * self.shares() + self.gaps() + MARGIN)
+    }
+
+    /// The start of the first panel, behind the names.
+    fn left(&self) -> i32 {
+        MARGIN + self.rows().map(|row| name_width(&row.name)).max().unwrap_or(0) + GAP
+    }
+
+    /// The sum of all shares.
+    fn shares(&self) -> i32 {
+        self.panels.iter().map(|panel| panel.share).sum::<i32>().max(1)
+    }
+
+    /// The sum of the spaces between panels.
+    fn gaps(&self) -> i32 {
+        GAP * (self.panels.len() as i32 - 1).max(0)
     }
 
     fn rows(&self) -> impl Iterator<Item = &Row> {
@@ -326,28 +343,27 @@ impl DotPlot {
 
     /// The entries of the legend, in lines.
     fn legend_lines(&self, width: i32) -> Vec<Vec<Entry<'_>>> {
-        let shapes = self.panels.iter().flat_map(|panel| {
-            (0..)
-                .zip(&panel.marks)
-                .map(|(mark, text)| Entry { sample: Some((Look::new(panel.kind.color(), mark), false)), text })
-        });
-        let mut entries: Vec<Entry> = shapes.collect();
+        let mut entries: Vec<Entry> = Vec::new();
+        for panel in &self.panels {
+            for (mark, text) in (0..).zip(&panel.marks) {
+                let look = Look::new(panel.kind.color(), mark);
+                match entries.iter_mut().find(|entry| entry.text == text) {
+                    Some(entry) => entry.samples.push(look),
+                    None => entries.push(Entry { samples: vec![look], hollow: false, text }),
+                }
+            }
+        }
         let dots = || {
             self.rows()
                 .flat_map(|row| row.cells.iter().zip(&self.panels))
                 .flat_map(|(dots, panel)| dots.iter().map(move |dot| (dot, panel)))
         };
         if let Some((_, panel)) = dots().find(|(dot, _)| dot.value == 0.0) {
-            entries.push(Entry {
-                sample: Some((Look::new(panel.kind.color(), 0), true)),
-                text: "none (line: 95 % bound)",
-            });
+            let samples = vec![Look::new(panel.kind.color(), 0)];
+            entries.push(Entry { samples, hollow: true, text: "none (line: 95 % bound)" });
         }
         if dots().any(|(dot, _)| dot.failed) {
-            entries.push(Entry { sample: Some((Look::new(BAD, 0), false)), text: &self.failure });
-        }
-        if self.rows().any(|row| row.bold) {
-            entries.push(Entry { sample: None, text: &self.bold });
+            entries.push(Entry { samples: vec![Look::new(BAD, 0)], hollow: false, text: &self.failure });
         }
         let mut lines: Vec<Vec<Entry>> = Vec::new();
         let mut end = width;
@@ -384,15 +400,16 @@ impl Dot {
     }
 }
 
-/// An entry of the legend. The sample is hollow for a count of zero.
+/// An entry of the legend. The samples are hollow for a count of zero.
 struct Entry<'a> {
-    sample: Option<(Look, bool)>,
+    samples: Vec<Look>,
+    hollow: bool,
     text: &'a str,
 }
 
 impl Entry<'_> {
     fn width(&self) -> i32 {
-        self.sample.map_or(0, |_| SAMPLE) + text_width(self.text) + AFTER
+        SAMPLE * self.samples.len() as i32 + text_width(self.text) + AFTER
     }
 }
 
@@ -402,10 +419,11 @@ fn draw_legend(root: &Area, lines: &[Vec<Entry>], top: i32) -> Drawn {
         let mut x = MARGIN;
         for entry in entries {
             let mut start = x;
-            if let Some((look, hollow)) = entry.sample {
+            for look in &entry.samples {
                 let color = look.color.stroke_width(2);
-                root.draw(&PathElement::new([(x, y), (x + SAMPLE - 6, y)], color))?;
-                look.mark(root, (if hollow { x + MARK + 2 } else { x + SAMPLE / 2 - 3 }, y), MARK, hollow)?;
+                root.draw(&PathElement::new([(start, y), (start + SAMPLE - 6, y)], color))?;
+                let middle = start + if entry.hollow { MARK + 2 } else { SAMPLE / 2 - 3 };
+                look.mark(root, (middle, y), MARK, entry.hollow)?;
                 start += SAMPLE;
             }
             root.draw_text(entry.text, &label(TEXT, INK), (start, y))?;
@@ -447,7 +465,6 @@ mod tests {
             }],
             groups: vec![Group { heading: Some("group".into()), rows: values.iter().enumerate().map(row).collect() }],
             failure: "red".into(),
-            bold: "bold".into(),
         }
     }
 

@@ -17,14 +17,17 @@ const CLASSES: [u64; 6] = [1, 10, 100, 1_000, 10_000, 100_000];
 /// Number of rays that a 99th percentile needs at least.
 const LEAST: u64 = 100;
 
-/// Minimum width of the chart. Three images of the common names fit side by side.
+/// Minimum width of the chart.
 const WIDTH: i32 = 620;
 /// Minimum width of an image (approximately), and maximum width and height.
 const MIN_IMAGE: i32 = 130;
 const MAX_IMAGE: i32 = 200;
 const LEFT: i32 = 54;
 const GAP: i32 = 14;
-const NAME: i32 = 20;
+/// Space between a name and the image below it: room for an underscore.
+const BELOW_NAME: i32 = 5;
+/// Width of the names that three images side by side have room for. A wider name is broken into two lines.
+const NAME_WIDTH: i32 = (WIDTH - LEFT - MARGIN + GAP) / 3 - GAP;
 const TICKS: i32 = 26;
 const MAP_TITLE: i32 = 32;
 const LEGEND_HEIGHT: i32 = 52;
@@ -57,8 +60,8 @@ fn meaning(class: usize) -> String {
 
 /// Draws the maps of a group.
 pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
-    let pitch = group.kernels.iter().map(|kernel| name_width(&kernel.name)).max().unwrap_or(0) + GAP;
-    let layouts: Vec<Layout> = maps.iter().map(|map| Layout::new(map, group.kernels.len() as i32, pitch)).collect();
+    let names: Vec<Vec<&str>> = group.kernels.iter().map(|kernel| lines_of(&kernel.name)).collect();
+    let layouts: Vec<Layout> = maps.iter().map(|map| Layout::new(map, &names)).collect();
     let width = layouts.iter().map(Layout::width).max().unwrap_or(0).max(WIDTH);
     let title = format!("{}: failure map", group.title);
     let subject = (group.subject != group.title).then(|| format!("All are {}.", group.subject));
@@ -72,7 +75,7 @@ pub(super) fn svg(record: &Record, group: &Group, maps: &[&MapRow]) -> String {
         legend(root, top)?;
         top += LEGEND_HEIGHT;
         for (map, layout) in maps.iter().zip(&layouts) {
-            draw_map(root, record, group, map, layout, top)?;
+            draw_map(root, record, (group, &names), map, layout, top)?;
             top += layout.height();
         }
         Ok(())
@@ -103,6 +106,16 @@ fn legend(root: &Area, top: i32) -> Drawn {
     Ok(())
 }
 
+/// The lines of a kernel's name. A wide one is broken after the last underscore or slash that fits into the first line.
+pub(super) fn lines_of(name: &str) -> Vec<&str> {
+    let ends = name.match_indices(['_', '/']).map(|(at, separator)| at + separator.len());
+    let fits = |&end: &usize| end < name.len() && name_width(&name[..end]) <= NAME_WIDTH;
+    match ends.filter(fits).last().filter(|_| name_width(name) > NAME_WIDTH) {
+        Some(end) => <[&str; 2]>::from(name.split_at(end)).into(),
+        None => vec![name],
+    }
+}
+
 /// The layout of the images of a map.
 struct Layout {
     /// Number of cells, horizontally and vertically.
@@ -113,12 +126,18 @@ struct Layout {
     rows: i32,
     /// Distance from one image to the next.
     pitch: i32,
+    /// Height of the names above the images of a row.
+    names: i32,
 }
 
 impl Layout {
-    fn new(map: &MapRow, images: i32, pitch: i32) -> Self {
+    /// The layout of one image below each of these names, which are in lines.
+    fn new(map: &MapRow, names: &[Vec<&str>]) -> Self {
         let cells = (map.x.len().max(1) as i32, map.y.len().max(1) as i32);
-        let pitch = pitch.max(MIN_IMAGE + GAP);
+        let images = names.len() as i32;
+        let widest = names.iter().flatten().map(|line| name_width(line)).max().unwrap_or(0);
+        let lines = names.iter().map(Vec::len).max().unwrap_or(0) as i32;
+        let pitch = widest.max(MIN_IMAGE) + GAP;
         let space = WIDTH - LEFT - MARGIN + GAP;
         let most = (space / pitch).max(1);
         // All rows have about the same number of images, and the images are as large as possible.
@@ -126,7 +145,8 @@ impl Layout {
         let columns = ((images + rows - 1) / rows).max(1);
         let pitch = pitch.max((space / columns).min(MAX_IMAGE + GAP));
         let cell = ((pitch - GAP) / cells.0).min(MAX_IMAGE / cells.1).max(3);
-        Self { cells, cell, columns, rows, pitch: pitch.max(cells.0 * cell + GAP) }
+        let pitch = pitch.max(cells.0 * cell + GAP);
+        Self { cells, cell, columns, rows, pitch, names: LINE * lines + BELOW_NAME }
     }
 
     fn size(&self) -> Pixel {
@@ -138,7 +158,7 @@ impl Layout {
     }
 
     fn row_height(&self) -> i32 {
-        NAME + self.size().1 + TICKS
+        self.names + self.size().1 + TICKS
     }
 
     fn height(&self) -> i32 {
@@ -146,7 +166,14 @@ impl Layout {
     }
 }
 
-fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &Layout, top: i32) -> Drawn {
+fn draw_map(
+    root: &Area,
+    record: &Record,
+    (group, names): (&Group, &[Vec<&str>]),
+    map: &MapRow,
+    layout: &Layout,
+    top: i32,
+) -> Drawn {
     root.draw_text(&map.name, &heading(TEXT), (MARGIN, top + MAP_TITLE / 2))?;
     let rays = count(map.hits.iter().copied().max().unwrap_or(0));
     let axes = [format!("→ {}", map.x_axis), format!("↑ {}; {rays} rays per cell", map.y_axis)];
@@ -154,10 +181,12 @@ fn draw_map(root: &Area, record: &Record, group: &Group, map: &MapRow, layout: &
         root.draw_text(&text, &label(TEXT, INK), (MARGIN, top + MAP_TITLE + LINE * line + LINE / 2))?;
     }
     let top = top + MAP_TITLE + 2 * LINE;
-    for (i, kernel) in (0..).zip(&group.kernels) {
+    for ((i, kernel), lines) in (0..).zip(&group.kernels).zip(names) {
         let (column, row) = (i % layout.columns, i / layout.columns);
-        let corner = (LEFT + column * layout.pitch, top + row * layout.row_height() + NAME);
-        root.draw_text(&kernel.name, &name(false, INK), (corner.0, corner.1 - NAME / 2))?;
+        let corner = (LEFT + column * layout.pitch, top + row * layout.row_height() + layout.names);
+        for (above, line) in (0..).zip(lines.iter().rev()) {
+            root.draw_text(line, &name(false, INK), (corner.0, corner.1 - BELOW_NAME - LINE / 2 - LINE * above))?;
+        }
         axes_of(root, map, layout, corner, column == 0)?;
         let cells = record.map_cells.iter().find(|cells| cells.id == kernel.method.id && cells.map == map.name);
         let Some(cells) = cells.filter(|cells| fits(cells, map)) else {
@@ -311,7 +340,7 @@ mod tests {
         let mut record = record_of(&["triangle/cramer".into()]);
         record.map_cells[0].t_ulp_p99[..4].copy_from_slice(&[Some(7), Some(8), None, Some(123_456)]);
         let (map, cells) = (&record.maps[0], &record.map_cells[0]);
-        let hover = hover(&Layout::new(map, 1, 200), (0, 0), map, cells);
+        let hover = hover(&Layout::new(map, &[vec!["cramer"]]), (0, 0), map, cells);
         let [(_, axes), (_, x), (_, y), (_, figures)] = &hover.data[..] else { panic!("four attributes") };
         assert_eq!(axes.split('|').collect::<Vec<_>>(), [&map.x_axis, &map.y_axis]);
         assert_eq!([x, y, figures].map(|list| list.split(' ').count()), [map.x.len(), map.y.len(), map.hits.len()]);
@@ -321,6 +350,24 @@ mod tests {
         );
         // Cells with few hits count as such, whatever their figures are.
         assert!(hover.title.ends_with("; few hits: 3"), "{}", hover.title);
+    }
+
+    #[test]
+    fn wide_names_are_broken_so_that_three_images_fit_side_by_side() {
+        assert_eq!(lines_of("moller_trumbore_f64"), ["moller_trumbore_f64"]);
+        assert_eq!(lines_of("moller_trumbore_epsilon"), ["moller_trumbore_", "epsilon"]);
+        assert_eq!(lines_of("subtract_first/exact_fused_t"), ["subtract_first/", "exact_fused_t"]);
+        assert_eq!(lines_of("namewithoutanyseparator"), ["namewithoutanyseparator"]);
+        let record = record_of(&["triangle/cramer".into()]);
+        for (name, columns) in [("moller_trumbore_epsilon", 3), ("namewithoutanyseparator", 2)] {
+            let names = ["moller_trumbore", "cramer", name].map(lines_of);
+            let layout = Layout::new(&record.maps[0], &names);
+            assert_eq!(layout.columns, columns, "{name}");
+            for line in names.iter().flatten() {
+                assert!(name_width(line) + GAP <= layout.pitch, "{line}");
+            }
+            assert_eq!(layout.names, BELOW_NAME + LINE * names[2].len() as i32, "{name}");
+        }
     }
 
     #[test]

@@ -141,7 +141,8 @@ mod tests {
             for kernel in kernels {
                 // In a stability chart, a label may count the kernels of a shared line: the tooltip names them all.
                 let (id, name) = (&kernel.method.id, kernel.name.rsplit('/').next().unwrap_or_default());
-                let is_named = [name, &kernel.name].iter().any(|name| chart.svg.contains(&format!(">{name}<")));
+                let is_shown = |text: &&str| chart.svg.contains(&format!(">{text}<"));
+                let is_named = is_shown(&name) || failure_map::lines_of(&kernel.name).iter().all(is_shown);
                 let is_told = chart.svg.contains(&format!("{id}, "));
                 assert!(is_told || is_named && regime.is_none(), "{}: {id}", chart.file);
                 assert!(is_named || regime.is_some(), "{}: {name}", chart.file);
@@ -160,6 +161,28 @@ mod tests {
         for chart in charts(&record_of(&all_ids())) {
             let titles = chart.svg.lines().filter(|line| line.contains(" font-size=\"18\" "));
             assert_eq!(titles.count(), 1, "the title of {} is longer than one line", chart.file);
+        }
+    }
+
+    #[test]
+    fn every_text_is_readable_on_a_phone() {
+        for chart in charts(&record_of(&all_ids())) {
+            let width = chart.svg.split('"').skip_while(|text| !text.ends_with(" width=")).nth(1).unwrap();
+            let size = layout::TEXT * 390.0 / width.parse::<f64>().unwrap();
+            assert!(size >= 9.0, "{}: {size} pixels", chart.file);
+        }
+    }
+
+    #[test]
+    fn legends_of_dot_plots_have_at_most_two_lines() {
+        let charts = charts(&record_of(&all_ids()));
+        for (file, first) in [(ON_SCENES, "primary"), (SPEED_ACCURACY, "8x1")] {
+            let svg = &charts.iter().find(|chart| chart.file == file).unwrap().svg;
+            let y = |text: &str| -> i32 {
+                let line = svg.lines().find(|line| line.contains(&format!(">{text}</text>"))).unwrap();
+                line.split('"').skip_while(|text| !text.ends_with(" y=")).nth(1).unwrap().parse().unwrap()
+            };
+            assert!((0..=layout::LINE).contains(&(y("over 0.1 %") - y(first))), "{file}");
         }
     }
 

@@ -32,7 +32,6 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> String {
         ],
         groups: rows.collect(),
         failure: String::new(),
-        bold: String::new(),
     };
     plot.svg()
 }
