@@ -3,9 +3,7 @@
 use super::grid::{Cell, Grid};
 use super::verdict::verdict;
 use crate::study::figures::tracer::{TracedSet, modes};
-use crate::study::figures::{
-    Failures, KernelFigures, MISSING, count, groups, number, optional, severity, thread_counts, times,
-};
+use crate::study::figures::{Failures, KernelFigures, MISSING, count, groups, number, optional, thread_counts, times};
 use crate::study::record::Record;
 
 /// The record as text, in at most 110 columns for IDs of the usual length. Of the instances, only those are shown that
@@ -18,7 +16,7 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
              ns: nanoseconds per test of one ray against one primitive, one thread. gain: time of 1x1 over 8x1.\n\
              Mt/s: million tests per second, 8x1. Green: the best, and all that tie with it.\n\
              lost: rays that exactly hit but are reported to miss; false: exact misses reported as hits, double hits\n\
-             among them. Both per million rays aimed where kernels fail. worst in: where most are lost.\n\
+             among them. Both per million rays aimed where kernels fail. worst in: the workload.\n\
              0 (< b): none; b is the 95 % bound. ulp: 99th percentile of the error of t, generic rays.\n";
     if let Some(claims) = claims(record) {
         text += &claims;
@@ -66,10 +64,7 @@ fn rate(failures: Option<Failures>) -> Cell {
 
 /// The workload that loses the most rays per million; empty if none is lost.
 fn lost_in(kernel: &KernelFigures) -> String {
-    kernel.lost.and_then(|lost| lost.worst).map_or(String::new(), |(row, _)| match row.severity {
-        Some(step) => format!("{} {}", row.workload, severity(step)),
-        None => row.workload.clone(),
-    })
+    kernel.lost.and_then(|lost| lost.worst).map_or(String::new(), |(row, _)| row.workload.replace('_', " "))
 }
 
 fn kernel_grid(record: &Record) -> Grid {

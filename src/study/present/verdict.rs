@@ -275,8 +275,8 @@ mod tests {
         assert!(faster.contains(" in whole scenes (primary "), "{faster}");
         assert!(faster.contains("). Of 1.05 M rays of whole pictures, 0 are wrong"), "{faster}");
         // `c` is slower in scenes, and `a` is faster there too. Neither has more wrong rays.
-        let expected = "As right in pictures as `b`, and faster in whole scenes: `a` 1.03×. Of rays at edges of scenes, \
-                        they get 0 per million wrong, and `b` 19,000.";
+        let expected = "As right in pictures as `b`, and faster in whole scenes: `a` 1.03×. Of rays at edges of \
+                        scenes, they get 0 per million wrong, and `b` 19,000.";
         assert!(in_scenes.starts_with(expected), "{in_scenes}");
         // Slower by more than the noise: no longer tied.
         set(&mut record, "triangle/c", &[2.03, 2.01, 2.04]);

@@ -38,7 +38,7 @@ fn plot(record: &Record, groups: &[&Group]) -> DotPlot {
         remarks: vec![
             "8x1 tests eight rays against one primitive, 1x8 one ray against eight, 1x1 one against one. A ray is lost \
              if it exactly hits and is reported to miss. Rates: all rays aimed where kernels fail. Lines: 95 % \
-             intervals. Bold: fewest wrong answers, or tied; shaded: the fastest of these."
+             intervals. Bold: fewest wrong answers, or tied; shaded: recommended."
                 .into(),
             machine(record),
         ],
