@@ -16,7 +16,7 @@ pub fn terminal_table(record: &Record, color: bool) -> String {
              ns: nanoseconds per test of one ray against one primitive, one thread. gain: time of 1x1 over 8x1.\n\
              Mt/s: million tests per second, 8x1. Green: the best, and all that tie with it.\n\
              lost: rays that exactly hit but are reported to miss; false: exact misses reported as hits, double hits\n\
-             among them. Both per million rays aimed where kernels fail. worst in: the workload.\n\
+             among them. Both per million rays aimed where kernels fail. worst in: the hardest workload.\n\
              0 (< b): none; b is the 95 % bound. ulp: 99th percentile of the error of t, generic rays.\n";
     if let Some(claims) = claims(record) {
         text += &claims;
