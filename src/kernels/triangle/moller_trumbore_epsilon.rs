@@ -94,3 +94,23 @@ impl<P: Lanes> Intersect<f32x8> for MollerTrumboreEpsilon<P> {
         hit.narrowed(steep, hit.t())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn a_determinant_of_the_epsilon_is_not_rejected() {
+        let kernel = MollerTrumboreEpsilon::prepare(&Triangle { v0: Vec3::ZERO, v1: Vec3::X, v2: Vec3::Y });
+        for (size, hits) in [(EPSILON, true), (EPSILON.next_down(), false)] {
+            for det in [size, -size] {
+                let ray = Ray::new(Vec3::new(0.25, 0.25, det), Vec3::new(0.0, 0.0, -det));
+                assert_eq!(Intersect::<f32>::hit(&kernel, &ray).mask, hits, "{det:e}");
+                let bits = Intersect::<f32x8>::hit(&kernel, &Ray::splat(&ray)).mask.bits();
+                assert_eq!(bits, if hits { 0xff } else { 0 }, "{det:e}");
+            }
+        }
+    }
+}

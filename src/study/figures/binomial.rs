@@ -53,3 +53,32 @@ pub(super) fn rising_to(value: f64, function: impl Fn(f64) -> f64) -> f64 {
     }
     (low + high) / 2.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_are_sums_of_chances() {
+        const TRIALS: u64 = 12;
+        for p in [0.001, 0.25, 0.5, 0.9] {
+            let chance = |events: u64| {
+                let choices: f64 = (1..=events).map(|i| (TRIALS - events + i) as f64 / i as f64).product();
+                choices * f64::powi(p, events as i32) * f64::powi(1.0 - p, (TRIALS - events) as i32)
+            };
+            for events in 0..=TRIALS {
+                let most: f64 = (0..=events).map(chance).sum();
+                let least: f64 = (events..=TRIALS).map(chance).sum();
+                assert!((at_most(events, TRIALS, p) - most).abs() < 1e-12, "at most {events}, {p}");
+                assert!((at_least(events, TRIALS, p) - least).abs() < 1e-12, "at least {events}, {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn small_arguments_are_found_to_twelve_digits_too() {
+        for value in [0.75, 1e-6, 1e-18] {
+            assert!((rising_to(value, |p| p) / value - 1.0).abs() < 1e-11, "{value}");
+        }
+    }
+}

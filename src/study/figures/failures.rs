@@ -287,6 +287,7 @@ mod tests {
         let mut record = flawless();
         assert_eq!(verdict_of(&record), Some(Verdict::Holds { minor: String::new() }));
         at_step(&mut record, 1).false_hit_per_million = 1000.0;
+        at_step(&mut record, 3).false_hit_per_million = 500.0;
         assert_eq!(verdict_of(&record), Some(Verdict::Holds { minor: "wrong up to 0.047 %".into() }));
         at_step(&mut record, 2).false_miss_per_million = 1e6;
         at_step(&mut record, 2).t_ulp_p99 = FAILING_ULP + 1;
@@ -298,6 +299,36 @@ mod tests {
         assert_eq!(how, "wrong 53 %, p99 101 ulp");
         record.accuracy.retain(|row| row.severity.is_none());
         assert_eq!(verdict_of(&record), None);
+    }
+
+    #[test]
+    fn every_metric_has_its_own_events_and_base() {
+        let mut record = flawless();
+        let row = at_step(&mut record, 0);
+        (row.mesh_hits, row.leak_per_million) = (1_000, 1e3);
+        (row.single_hits, row.double_hit_per_million) = (2_000, 1e3);
+        (row.crossing_rays, row.odd_per_million) = (3_000, 1e3);
+        (row.closest_rays, row.wrong_closest_per_million) = (4_000, 1e3);
+        (row.box_hits, row.box_rejected_per_million, row.box_clamped_per_million) = (5_000, 1e3, 2e3);
+        (row.exact_misses, row.false_hit_per_million) = (6_000, 1e3);
+        for (metric, events, of) in [
+            (Metric::Leak, 1, 1_000),
+            (Metric::DoubleHit, 2, 2_000),
+            (Metric::Odd, 3, 3_000),
+            (Metric::WrongClosest, 4, 4_000),
+            (Metric::Rejected, 5, 5_000),
+            (Metric::Clamped, 10, 5_000),
+            (Metric::FalseHit, 6, 6_000),
+        ] {
+            assert_eq!(metric.figure(row), Some(Figure::Rate(Rate { events, of })), "{metric:?}");
+        }
+    }
+
+    #[test]
+    fn a_kernel_fails_by_what_nothing_else_corrects() {
+        let always = Figure::Rate(Rate { events: 1, of: 1 });
+        let fails = [Metric::Rejected, Metric::Lost, Metric::Clamped, Metric::FalseHit].map(|it| it.fails(always));
+        assert_eq!(fails, [true, true, false, false]);
     }
 
     #[test]

@@ -295,6 +295,37 @@ mod tests {
     }
 
     #[test]
+    fn all_that_tie_with_the_fastest_are_among_the_fastest() {
+        let mut record = record_of(&["triangle/a".into(), "triangle/b".into(), "triangle/c".into()]);
+        for row in &mut record.speed {
+            let ns = if row.id == "triangle/c" { 2.0 } else { 1.0 };
+            set_rounds(row, &[0.99, 1.0, 1.01].map(|noise| noise * ns));
+        }
+        let groups = groups(&record);
+        let group = &groups[0];
+        assert_eq!(group.fastest("8x1").iter().map(|kernel| kernel.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        let fastest = group.kernels.iter().map(|kernel| group.is_among_the_fastest(kernel, "8x1"));
+        assert_eq!(fastest.collect::<Vec<_>>(), [true, true, false]);
+    }
+
+    #[test]
+    fn regimes_decide_if_their_rays_are_aimed_where_rays_are_lost() {
+        let regime = |mesh, name: &str| {
+            let record = record_of(&[]);
+            RegimeRow { name: name.into(), mesh, ..record.regimes[0].clone() }
+        };
+        let aimed = |loss: Loss, mesh, names: &[&'static str]| {
+            names.iter().copied().filter(|name| loss.concerns(&regime(mesh, name))).collect::<Vec<_>>()
+        };
+        assert_eq!(aimed(Loss::Leaks, true, &["vertex_fan", "t_junction"]), ["vertex_fan"]);
+        assert_eq!(aimed(Loss::Leaks, false, &["leaving", "offset"]), ["leaving"]);
+        let curved = ["afar", "tangent", "parabolic", "generatrix"];
+        assert_eq!(aimed(Loss::Strict, false, &[&curved[..], &["scale", "rim"]].concat()), curved);
+        let boxes = ["box_edge", "box_corner", "parallel", "flat"];
+        assert_eq!(aimed(Loss::WithBoundary, false, &[&boxes[..], &["inverted", "offset"]].concat()), boxes);
+    }
+
+    #[test]
     fn instances_are_grouped_by_the_shape_inside() {
         let record = record_of(&all_ids());
         let groups = groups(&record);

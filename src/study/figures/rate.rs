@@ -163,7 +163,9 @@ mod tests {
         assert_eq!(rate(1, 100_000).to_string(), "10.0");
         assert_eq!(Rate::new(0.0, 0), None);
         assert_eq!(Rate::new(f64::NAN, 1), None);
-        assert_eq!(Rate::new(1e6 / 3.0, 3), Rate::of_events(1, 3));
+        for events in 0..=97 {
+            assert_eq!(Rate::new(rate(events, 97).per_million(), 97), Rate::of_events(events, 97));
+        }
     }
 
     #[test]

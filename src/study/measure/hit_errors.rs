@@ -358,6 +358,37 @@ mod tests {
         });
         assert_eq!((placed.size, placed.scene), (8f64.sqrt(), 2.0));
         assert_eq!((placed.ray_point, placed.uv_point, placed.ray_height), (0.5, Some(0.0), Some(0.5)));
+        // A half over the roundings of the origin's 2, the step's 1 and the translation's 1.
+        let moved = Placed { shape: UNIT, object_to_world: Affine3::from_translation(Vec3::Z) };
+        let hit = Hit::<f32>::new(true, 1.5, 0.25, 0.25);
+        let moved = HitError::of(&reference(&moved, &Ray::new(Vec3::new(0.25, 0.25, 2.0), -Vec3::Z)), &hit, |sample| {
+            vec![Hit::MISS; sample.rays.len()]
+        });
+        assert_eq!(moved.t_backward, Some(0.5 / 4.0 / HALF_ULP));
+    }
+
+    #[test]
+    fn the_size_is_the_longest_edge_or_side_and_the_reach_the_largest_coordinate() {
+        let corners = [Vec3::X * 4.0, Vec3::ZERO, Vec3::Y * 3.0];
+        for turn in 0..3 {
+            let [v0, v1, v2] = [0, 1, 2].map(|vertex| corners[(vertex + turn) % 3]);
+            assert_eq!(size_and_reach(&Triangle { v0, v1, v2 }.primitive()), [5.0, 4.0], "{turn}");
+        }
+        let bounds = Aabb { lo: Vec3::new(-1.0, 0.0, 0.0), hi: Vec3::new(5.0, 2.0, 1.0) };
+        assert_eq!(size_and_reach(&bounds.primitive()), [6.0, 5.0]);
+    }
+
+    #[test]
+    fn each_sample_gives_another_eighth_of_its_rays_and_none_that_is_clipped() {
+        let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0), -Vec3::Z);
+        let pairs = |ray: Ray<f32>, index| {
+            let sample = Sample { shapes: vec![UNIT], rays: vec![ray; 20] };
+            let found = references(&sample, &[UNIT.truth(&ray); 20], index, &mut rng(1, "", "", &[], 0));
+            found.iter().map(|found| found.pair).collect::<Vec<_>>()
+        };
+        assert_eq!([0, 11].map(|index| pairs(ray, index)), [[0, 8, 16], [3, 11, 19]]);
+        let starting_at_the_hit = Ray { t_min: 1.0, ..ray };
+        assert!(UNIT.truth(&starting_at_the_hit).hit && pairs(starting_at_the_hit, 0).is_empty());
     }
 
     #[test]
@@ -383,6 +414,16 @@ mod tests {
     }
 
     #[test]
+    fn epsilons_grow_with_the_scene_and_with_the_length_of_the_ray() {
+        let far = Ray::new(Vec3::new(0.25, 0.25, 1000.0), Vec3::NEG_Z * 500.0);
+        let mut reference = reference(&UNIT, &far);
+        reference.surface.as_mut().unwrap().away = Some(Vec3::Z);
+        // 0.01 below the surface. Both epsilons are 0.1.
+        let hit = Hit::<f32>::new(true, 2.000_02, 0.25, 0.25);
+        assert_eq!(HitError::of(&reference, &hit, trace).own_hits, Some([false, false, false, true]));
+    }
+
+    #[test]
     fn a_sphere_bends_under_an_error() {
         let sphere = Quadric::sphere(1.0);
         let ray = Ray::new(Vec3::new(-3.0, 0.6, 0.0), Vec3::X);
@@ -394,6 +435,9 @@ mod tests {
         assert!((error.ray_height.unwrap() / expected - 1.0).abs() < 1e-3, "{error:?} {expected}");
         assert!((error.normal.unwrap() - angle(at, found.exact.normal)).abs() < 1e-6, "{error:?}");
         assert!((error.ray_point - 1e-3).abs() < 1e-6 && (error.size - 2.0 * (1.0 + 1.0 / 1024.0)).abs() < 1e-6);
+        // Half a radius off, the polynomial is 1.5² - 1, and its slope 2 · 1.5.
+        let middle = reference(&sphere, &Ray::new(Vec3::new(-3.0, 0.0, 0.0), Vec3::X)).surface.unwrap();
+        assert!((middle.height(DVec3::new(-0.5, 0.0, 0.0)) - 1.25 / 3.0).abs() < 1e-12);
         // Outside no ray comes back. Inside each does.
         assert!(found.surface.unwrap().away.is_some());
         let inside = reference(&sphere, &Ray::new(Vec3::ZERO, Vec3::X));
@@ -445,12 +489,16 @@ mod tests {
             t_backward: (index < 2).then_some(f64::from(index)),
             ray_point: if index < 5 { f64::NAN } else { 1.0 },
             uv_point: None,
+            own_hits: Some([false, true, index % 4 == 0, index % 2 == 0]),
             ..exact
         });
         let row = HitErrorTally(hits.collect()).row();
         assert_eq!(row.normal_error_p99, Some(198.1));
         assert_eq!((row.t_backward_p99, row.uv_point_size_p99), (Some(1.0), None));
         assert_eq!(row.ray_point_scene_p99, None);
+        assert_eq!((row.leaving_rays, row.own_hit_offset_per_million), (200, 0.0));
+        assert_eq!((row.own_hit_scene_epsilon_per_million, row.own_hit_t_epsilon_per_million), (1e6, 2.5e5));
+        assert_eq!(row.own_hit_no_epsilon_per_million, 5e5);
         assert_eq!(HitErrorTally::default().row(), HitErrors::default());
     }
 }

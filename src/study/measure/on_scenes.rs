@@ -151,4 +151,46 @@ mod tests {
         assert!(edges > 10, "{edges}");
         assert_eq!(wrong("gallery", "quadric/f64")[0], 0);
     }
+
+    #[test]
+    fn rays_and_answers_of_each_kind_are_counted_apart() {
+        let rows = |scene| judge(&SceneSource::parse(scene).unwrap(), (48, 1), &Progress::bar()).unwrap();
+        let find = |rows: &[OnSceneRow], rays, kernel| {
+            rows.iter().find(|row| row.rays == rays && row.kernel == kernel).unwrap().clone()
+        };
+        let sphere = rows("sphere:1e3");
+        let background = find(&sphere, "primary", "triangle/exact");
+        assert!(background.solid > 500 && background.solid < background.ray_count / 2, "{background:?}");
+        assert_eq!(background.open, 0);
+        // A false hit beside an edge of a closed mesh is one of a neighbour.
+        let edges = find(&sphere, EDGES, "triangle/moller_trumbore");
+        assert!(edges.neighbours > 100 && edges.false_hits < 10, "{edges:?}");
+        // The ground of the gallery has a border.
+        let gallery = rows("gallery");
+        let border = find(&gallery, EDGES, "quadric/f64");
+        assert!(
+            border.solid > 100 && border.open > 100 && border.solid + border.open <= border.ray_count,
+            "{border:?}"
+        );
+        assert!(gallery.iter().all(|row| row.kernel.starts_with("quadric/")), "most of it is quadrics");
+    }
+
+    #[test]
+    fn rays_are_aimed_at_all_edges_of_the_triangles_that_are_seen() {
+        let built = BuiltScene::new(&SceneSource::parse("sphere:1e3").unwrap(), (48, 1)).unwrap();
+        let truth = SceneTruth::new(built.scene.world());
+        let hits = trace(&built.scene, &built.sets[0].rays, Mode::Auto);
+        let seen = hits.iter().filter_map(|hit| truth.vertices(hit));
+        let mut aimed = [0; 3];
+        for (vertices, ray) in seen.zip(&edge_rays(&built, &truth, 1).rays) {
+            let distance = |edge: usize| {
+                let (from, along) = (vertices[edge], (vertices[(edge + 1) % 3] - vertices[edge]).normalize());
+                (ray.origin + ray.dir - from).cross(along).length()
+            };
+            let nearest = (0..3).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
+            assert!(distance(nearest) < 1e-5, "{vertices:?} {ray:?}");
+            aimed[nearest] += 1;
+        }
+        assert!(aimed.iter().all(|&rays| rays > 200), "{aimed:?}");
+    }
 }

@@ -127,3 +127,33 @@ fn rows_of<'a>(judged: impl Iterator<Item = &'a OnSceneRow>, all: &[Times]) -> R
     };
     judged.filter(|row| row.rays != EDGES).map(row).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::record::Samples;
+
+    #[test]
+    fn every_judged_set_but_that_at_edges_gets_its_times() {
+        let judged = |rays: &str| OnSceneRow {
+            scene: "room".into(),
+            rays: rays.into(),
+            kernel: "triangle/woop".into(),
+            ray_count: 100,
+            solid: 100,
+            open: 0,
+            lost: 0,
+            false_hits: 0,
+            neighbours: 0,
+            checksum: String::new(),
+        };
+        let ns = Samples::new(&[vec![40.0, 45.0, 50.0, 55.0, 60.0]]);
+        let times = [Times { name: name("room", "primary", "triangle/woop"), checksum: 0xabc, ns }];
+        let rows = rows(&[judged("primary"), judged(EDGES)], &times).unwrap();
+        let [row] = &rows[..] else { panic!("{rows:?}") };
+        assert_eq!((row.ns_per_ray, row.mrays_per_second, row.checksum.as_str()), (50.0, 20.0, "0000000000000abc"));
+        assert!(row.ns_per_ray_low < 50.0 && row.ns_per_ray_high > 50.0, "{row:?}");
+        let missing = super::rows(&[judged("bounce")], &times).unwrap_err();
+        assert!(missing.to_string().contains("room, bounce rays, triangle/woop: no process has timed it"), "{missing}");
+    }
+}

@@ -411,6 +411,7 @@ mod tests {
         assert_eq!(any(&down(18.0, 18.0)), [Right, False]);
         let ray = Ray { t_max: 1.5, ..down(4.0, 2.0) };
         assert_eq!(any(&ray), [Right, Right], "only a border");
+        assert_eq!(judge(&ray), [Right, Right, Neighbour, False], "only a border");
         assert!(truth.answer(&ray, false).is_open());
     }
 
@@ -429,6 +430,41 @@ mod tests {
         assert!(crossing.solid && crossing.accepted.len() == 2);
         let solid = square();
         assert!(SceneTruth::new(&solid).answer(&down(1.0, 1.0), false).solid);
+    }
+
+    #[test]
+    fn everything_at_the_least_t_is_accepted() {
+        // More triangles than a leaf of the tree holds.
+        let same = [triangle([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0]]); 20];
+        let answer = SceneTruth::new(&world(&same)).answer(&down(3.0, 1.0), false);
+        assert!(answer.solid && answer.accepted.len() == same.len(), "{answer:?}");
+    }
+
+    #[test]
+    fn instances_share_no_edge_and_no_vertex() {
+        // A square of one triangle and the same triangle, turned around the middle of its longest edge.
+        let mesh = Mesh::from_triangles(&[triangle([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0]])]).unwrap();
+        let matrix3 = glam::Mat3::from_diagonal(Vec3::new(-1.0, -1.0, 1.0));
+        let turned = Affine3 { matrix3, translation: Vec3::new(4.0, 4.0, 0.0) };
+        let placements = [Affine3::IDENTITY, turned].map(|object_to_world| Placement::new(0, object_to_world));
+        let world = World::new(vec![Geometry::Mesh(mesh)], placements.into()).unwrap();
+        let truth = SceneTruth::new(&world);
+        let edge = truth.answer(&down(2.0, 2.0), false);
+        assert!(edge.is_open() && edge.accepted.len() == 2, "{edge:?}");
+        let inside = down(3.0, 1.0);
+        let other = Hit { instance: 1, ..hit(0) };
+        assert_eq!(truth.judge(&truth.answer(&inside, false), &inside, &other), Judgement::False);
+    }
+
+    #[test]
+    fn a_disc_ends_at_its_circle() {
+        let placements = vec![Placement::new(0, Affine3::IDENTITY)];
+        let world = World::new(vec![Geometry::closed_cylinder(5.0, 0.5)], placements).unwrap();
+        let truth = SceneTruth::new(&world);
+        let answer = |y| truth.answer(&down(3.0, y), false);
+        assert!(answer(3.9).solid, "inside");
+        assert!(answer(4.0).is_open(), "on the circle");
+        assert!(answer(4.1).accepted.is_empty(), "between the circle and the square around it");
     }
 
     #[test]
