@@ -100,6 +100,14 @@ mod tests {
         assert!((placed.normal - normal).length() < 1e-15, "{placed:?}");
     }
 
+    #[test]
+    fn a_normal_whose_square_is_beyond_f64_is_normalised() {
+        const M: f32 = f32::MAX;
+        let shape = Triangle { v0: Vec3::new(-M, -M, 0.0), v1: Vec3::new(M, -M, 0.0), v2: Vec3::new(-M, M, 0.0) };
+        let placed = Placed { shape, object_to_world: Affine3::from_scale(Vec3::splat(M)) };
+        assert_eq!(hit(&placed, &Ray::new(Vec3::new(-1.0, -1.0, 1.0), Vec3::NEG_Z)).normal, DVec3::Z);
+    }
+
     /// The exact sum of the `f32` numbers that a number of 53 bits is made of.
     fn exact(value: f64) -> Dyadic {
         let (high, middle) = (value as f32, (value - f64::from(value as f32)) as f32);
