@@ -108,9 +108,9 @@ fn legend(root: &Area, top: i32) -> Drawn {
 
 /// The lines of a kernel's name. A wide one is broken after the last underscore or slash that fits into the first line.
 pub(super) fn lines_of(name: &str) -> Vec<&str> {
-    let ends = name.match_indices(['_', '/']).map(|(at, separator)| at + separator.len());
+    let mut ends = name.match_indices(['_', '/']).map(|(at, separator)| at + separator.len());
     let fits = |&end: &usize| end < name.len() && name_width(&name[..end]) <= NAME_WIDTH;
-    match ends.filter(fits).last().filter(|_| name_width(name) > NAME_WIDTH) {
+    match ends.rfind(fits).filter(|_| name_width(name) > NAME_WIDTH) {
         Some(end) => <[&str; 2]>::from(name.split_at(end)).into(),
         None => vec![name],
     }
