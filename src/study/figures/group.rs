@@ -295,6 +295,26 @@ mod tests {
     }
 
     #[test]
+    fn the_safest_has_the_least_rate_and_not_the_fewest_events() {
+        let mut record = record_of(&["triangle/many".into(), "triangle/few".into()]);
+        for row in &mut record.accuracy {
+            (row.leak_per_million, row.double_hit_per_million) = (0.0, 0.0);
+            match (row.id.as_str(), row.workload.as_str()) {
+                // 10 in all rays.
+                ("triangle/many", "edge") => row.leak_per_million = 10e6 / row.mesh_hits as f64,
+                // 5 in 100.
+                ("triangle/few", "edge") => (row.mesh_hits, row.leak_per_million, row.single_hits) = (100, 5e4, 0),
+                ("triangle/few", _) => (row.mesh_hits, row.exact_misses) = (0, 0),
+                _ => {}
+            }
+        }
+        let groups = groups(&record);
+        let kernels = &groups[0].kernels;
+        assert_eq!([0, 1].map(|kernel: usize| kernels[kernel].lost.unwrap().rate.events), [10, 5]);
+        assert_eq!([0, 1].map(|kernel: usize| groups[0].is_among_the_safest(&kernels[kernel])), [true, false]);
+    }
+
+    #[test]
     fn all_that_tie_with_the_fastest_are_among_the_fastest() {
         let mut record = record_of(&["triangle/a".into(), "triangle/b".into(), "triangle/c".into()]);
         for row in &mut record.speed {
