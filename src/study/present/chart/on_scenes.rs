@@ -27,7 +27,7 @@ pub(super) fn svg(record: &Record, groups: &[&Group]) -> Option<String> {
         remarks: vec![
             "Rays of whole pictures, traced by the same tracer through the same trees, and compared with the exact \
              answer of the scene. A ray is lost if it looks through the surface where it ends. Lines: 95 % intervals. \
-             Bold: fewest wrong answers where rays are aimed, or tied."
+             Bold: fewest wrong answers where rays are aimed, or tied; shaded: recommended."
                 .into(),
             machine(record),
         ],
