@@ -3,7 +3,7 @@
 
 use crate::study::figures::on_scenes::{Answers, gain};
 use crate::study::figures::{Failures, Group, KernelFigures, Loss, count, number, severity, si, tied, times};
-use crate::study::measure::stats::{Estimate, median};
+use crate::study::measure::stats::{Estimate, median, ratio};
 use crate::study::ray_sets::{EDGES, NAMES};
 use crate::study::record::{AccuracyRow, Record, SpeedRow};
 
@@ -99,7 +99,8 @@ fn faster(
     best: &KernelFigures,
 ) -> Option<String> {
     let widths = ["8x1", "1x1", "1x8"].map(|width| {
-        let gain = best.ns(width).zip(first.ns(width)).map(|(best, first)| best / first);
+        let rows = best.speed(width, 1).zip(first.speed(width, 1));
+        let gain = rows.and_then(|(best, first)| ratio(&best.ns_of_rounds, &first.ns_of_rounds)).map(|gain| gain.value);
         format!("{} ({width})", times(gain))
     });
     let ids = [&*first.method.id, &*best.method.id];
