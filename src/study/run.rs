@@ -72,7 +72,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
     let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part] =
-        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [51.0, 58.0, 20.0, 40.0, 29.0, 4.0] };
+        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [45.0, 46.0, 20.0, 27.0, 15.0, 4.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
     let speed_part = if options.other.is_some() { 2.0 * speed_part } else { speed_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };
@@ -94,7 +94,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     let speed = speed::Speed::new(options.seed);
     progress.note("kernels: speed");
     // Many short samples: other work on the machine disturbs some of them, and the median ignores those.
-    let (processes, rounds, picture, scene_rounds) = if options.quick { (2, 2, 32, 1) } else { (5, 7, 192, 3) };
+    let (processes, rounds, picture, scene_rounds) = if options.quick { (2, 2, 32, 1) } else { (5, 6, 192, 3) };
     let timed = Timed { seed: options.seed, rounds, scenes: options.scenes.clone(), picture, scene_rounds };
     let mut reach = |share| speed_part.reach(share);
     let of_builds = match &options.program {
@@ -136,7 +136,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
     }
     let scene_speed = scene_speed::rows(&on_scenes, &times)?;
     let mut tracer_rows = Vec::new();
-    let (size, samples) = (picture_size(options.quick), if options.quick { 3 } else { 5 });
+    let (size, samples) = (picture_size(options.quick), 3);
     for (scene, progress) in scenes_part.each(&options.scenes) {
         tracer_rows.extend(tracer::measure(scene, (size, options.seed), samples, &thread_counts, &progress)?);
     }
