@@ -163,6 +163,11 @@ fn checkers_have_their_own_transforms() {
         ("{ shear_x = 2 }", Mat2::from_cols(Vec2::X, Vec2::new(2.0, 1.0)), Vec2::ZERO),
         ("{ shear_y = 2 }", Mat2::from_cols(Vec2::new(1.0, 2.0), Vec2::Y), Vec2::ZERO),
     ] {
+        (
+            "{ matrix = [[1, 2, 5], [3, 4, 6]] }, { scale = 2 }",
+            Mat2::from_cols_array(&[2.0, 6.0, 4.0, 8.0]),
+            Vec2::new(10.0, 12.0),
+        ),
         let expected = Affine2 { matrix2: matrix, translation };
         assert_eq!(checker(&format!(", transform = [{steps}]")).uv_to_squares, expected, "{steps}");
     }
@@ -262,6 +267,15 @@ fn errors_name_line_and_key() {
             "10: instance.checker.transform: too large: ",
         ),
         ("transform = { scale = [1, 1, 1] }", "10: instance.transform: invalid type: map, expected a sequence"),
+        (
+            "checker = { colors = [[0, 0, 0], [1, 1, 1]], transform = [{ matrix = [[1, 2, 3]] }] }",
+            "10: instance.checker.transform.matrix: invalid length 1, expected an array of length 2",
+        ),
+        (
+            "checker = { colors = [[0, 0, 0], [1, 1, 1]], transform = [{ matrix = [[1, 2, 3], [2, 4, 6]] }] }",
+            "10: instance.checker.transform: matrix of the rows [1, 2, 3], [2, 4, 6]: its determinant is zero, or too \
+             near to zero, so it has no inverse",
+        ),
         (
             "transform = [{ scale = [1, 1] }]",
             "10: instance.transform.scale: invalid length 2, expected an array of length 3",

@@ -123,6 +123,8 @@ pub enum Transform2 {
     ShearX(f32),
     /// Adds this many times x to y.
     ShearY(f32),
+    /// Multiplies by the matrix, then adds the translation.
+    Matrix(Affine2),
 }
 
 /// A transform without inverse or without meaning.
@@ -175,6 +177,10 @@ impl fmt::Display for Transform2 {
             Self::Rotate(degrees) => write!(f, "rotation by {degrees} degrees"),
             Self::ShearX(factor) => write!(f, "shear of x by y with factor {factor}"),
             Self::ShearY(factor) => write!(f, "shear of y by x with factor {factor}"),
+            Self::Matrix(affine) => {
+                let [x, y] = [0, 1].map(|axis| affine.matrix2.row(axis).extend(affine.translation[axis]));
+                write!(f, "matrix of the rows {x}, {y}")
+            }
         }
     }
 }
@@ -265,8 +271,12 @@ impl Transform3 {
 
     /// The transforms one after the other, the first one first. No transform gives the identity. Nothing is checked:
     /// a scaling by zero gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is
-    /// infinite.
+    /// infinite. A [`Transform3::Matrix`] alone is returned as it is, bit for bit.
     pub fn chain(transforms: &[Self]) -> Affine3 {
+        if let [Self::Matrix(affine)] = transforms {
+            // A product, also with the identity, would lose the sign of a zero.
+            return *affine;
+        }
         transforms.iter().fold(DAffine3::IDENTITY, |chain, next| next.matrix() * chain).as_affine3()
     }
 
@@ -285,7 +295,7 @@ impl Transform2 {
     /// Checks that the transform has an inverse.
     ///
     /// # Errors
-    /// If a number is not finite, or a scaling has a factor of zero.
+    /// If a number is not finite, a scaling has a factor of zero, or a matrix is singular. This is decided exactly.
     pub fn check(&self) -> Result<(), InvalidTransform<Self>> {
         let refuse = |reason| Err(InvalidTransform { transform: *self, reason });
         match *self {
@@ -293,13 +303,16 @@ impl Transform2 {
             Self::Rotate(number) | Self::ShearX(number) | Self::ShearY(number) if !number.is_finite() => {
                 refuse(NOT_FINITE)
             }
+            Self::Matrix(affine) if !affine.is_finite() => refuse(NOT_FINITE),
             Self::Scale(by) if by.cmpeq(Vec2::ZERO).any() => refuse(ZERO_SCALE),
+            // Both products are exact in `f64`, and their difference is zero only if they are equal.
+            Self::Matrix(affine) if affine.matrix2.as_dmat2().determinant() == 0.0 => refuse(SINGULAR),
             _ => Ok(()),
         }
     }
 
-    /// The matrix. Exact for translation, scaling and shear. Sines and cosines have a relative error below 2⁻⁵⁰. A
-    /// NaN gives NaN entries.
+    /// The matrix. Exact for translation, scaling, shear and [`Transform2::Matrix`]. Sines and cosines have a relative
+    /// error below 2⁻⁵⁰. A NaN gives NaN entries.
     pub fn matrix(&self) -> DAffine2 {
         let linear = |x_axis: [f64; 2], y_axis: [f64; 2]| {
             DAffine2::from_mat2(DMat2::from_cols(DVec2::from(x_axis), DVec2::from(y_axis)))
@@ -313,6 +326,7 @@ impl Transform2 {
             }
             Self::ShearX(factor) => linear([1.0, 0.0], [factor.into(), 1.0]),
             Self::ShearY(factor) => linear([1.0, factor.into()], [0.0, 1.0]),
+            Self::Matrix(affine) => affine.as_daffine2(),
         }
     }
 
@@ -329,13 +343,18 @@ impl Transform2 {
             Self::Rotate(degrees) => Self::Rotate(-degrees).matrix(),
             Self::ShearX(factor) => Self::ShearX(-factor).matrix(),
             Self::ShearY(factor) => Self::ShearY(-factor).matrix(),
+            Self::Matrix(_) => self.matrix().inverse(),
         })
     }
 
     /// The transforms one after the other, the first one first. No transform gives the identity. Nothing is checked:
     /// a scaling by zero gives a singular matrix, a NaN gives NaN, and an entry beyond the range of `f32` is
-    /// infinite.
+    /// infinite. A [`Transform2::Matrix`] alone is returned as it is, bit for bit.
     pub fn chain(transforms: &[Self]) -> Affine2 {
+        if let [Self::Matrix(affine)] = transforms {
+            // A product, also with the identity, would lose the sign of a zero.
+            return *affine;
+        }
         transforms.iter().fold(DAffine2::IDENTITY, |chain, next| next.matrix() * chain).as_affine2()
     }
 
@@ -389,7 +408,7 @@ fn sin_cos(degrees: f32) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Mat3, Mat4};
+    use glam::{Mat2, Mat3, Mat4};
 
     const fn v(x: f32, y: f32, z: f32) -> Vec3 {
         Vec3::new(x, y, z)
@@ -416,13 +435,16 @@ mod tests {
         all
     }
 
-    fn exact2() -> [Transform2; 5] {
+    fn exact2() -> [Transform2; 6] {
+        let matrix =
+            Affine2 { matrix2: Mat2::from_cols_array(&[1.0, 2.0, 0.5, -1.0]), translation: Vec2::new(3.0, -4.0) };
         [
             Transform2::Translate(Vec2::new(1.5, -2.0)),
             Transform2::Scale(Vec2::new(2.0, -0.5)),
             Transform2::Rotate(90.0),
             Transform2::ShearX(0.25),
             Transform2::ShearY(-3.0),
+            Transform2::Matrix(matrix),
         ]
     }
 
@@ -469,6 +491,7 @@ mod tests {
             (Transform2::Rotate(90.0), Vec2::new(-2.0, 1.0)),
             (Transform2::ShearX(10.0), Vec2::new(21.0, 2.0)),
             (Transform2::ShearY(10.0), Vec2::new(1.0, 12.0)),
+            (Transform2::Matrix(Affine2::from_cols_array(&[1.0, 4.0, 3.0, 5.0, 10.0, 20.0])), Vec2::new(17.0, 34.0)),
         ];
         for (transform, expected) in cases {
             let affine = Transform2::chain(&[transform]);
@@ -500,6 +523,17 @@ mod tests {
             assert_eq!(matrix * inverse, DAffine2::IDENTITY, "{transform}");
             assert_eq!(inverse * matrix, DAffine2::IDENTITY, "{transform}");
         }
+    }
+
+    #[test]
+    fn a_matrix_alone_keeps_every_bit() {
+        let bits3 = |affine: Affine3| affine.to_cols_array().map(f32::to_bits);
+        let odd = [1.0, -0.0, 1e-45, 0.0, -1.0, -0.0, f32::MAX, 0.0, 3.0, -0.0, 0.1, -1e-45];
+        let matrix = Affine3::from_cols_array(&odd);
+        assert_eq!(bits3(Transform3::chain(&[Transform3::Matrix(matrix)])), bits3(matrix));
+        let bits2 = |affine: Affine2| affine.to_cols_array().map(f32::to_bits);
+        let matrix = Affine2::from_cols_array(&[-0.0, 2.0, 1e-45, 0.0, -0.0, f32::MAX]);
+        assert_eq!(bits2(Transform2::chain(&[Transform2::Matrix(matrix)])), bits2(matrix));
     }
 
     #[test]
@@ -584,11 +618,26 @@ mod tests {
             (Transform2::Rotate(f32::INFINITY), "rotation by inf degrees: not a finite number"),
             (Transform2::ShearX(f32::NAN), "shear of x by y with factor NaN: not a finite number"),
             (Transform2::ShearY(f32::NAN), "shear of y by x with factor NaN: not a finite number"),
+            (
+                Transform2::Matrix(Affine2::from_cols_array(&[1.0, 0.0, 0.0, 1.0, f32::NAN, 2.0])),
+                "matrix of the rows [1, 0, NaN], [0, 1, 2]: not a finite number",
+            ),
+            (
+                Transform2::Matrix(Affine2::from_cols_array(&[0.1, 0.3, 0.1, 0.3, 5.0, 6.0])),
+                "matrix of the rows [0.1, 0.1, 5], [0.3, 0.3, 6]: its determinant is zero, or too near to \
+                 zero, so it has no inverse",
+            ),
         ];
         for (transform, message) in cases {
             assert_eq!(Transform2::chain_inverse(&[transform]).unwrap_err().to_string(), message);
         }
         assert!(exact3().iter().all(|transform| transform.check().is_ok()));
         assert!(exact2().iter().all(|transform| transform.check().is_ok()));
+        // The determinants of these are small, or the difference of nearly equal products.
+        let next_up = 0.3f32.next_up();
+        for entries in [[1e-30, 0.0, 0.0, 1e-30], [0.1, 0.3, 0.1, next_up], [1e-45, 0.0, 1e30, 1e-45]] {
+            let matrix2 = Mat2::from_cols_array(&entries);
+            assert_eq!(Transform2::Matrix(Affine2 { matrix2, translation: Vec2::ZERO }).check(), Ok(()));
+        }
     }
 }

@@ -61,8 +61,9 @@ const MAX_BYTES: u64 = 1 << 24;
 ///   fourth row must be `[0, 0, 0, 1]`. The numbers are nested, because a flat list does not tell rows from columns.
 ///
 /// A `checker` has two `colors` and an optional `transform` of the plane, from the surface's (u, v) to unit squares.
-/// Its steps are `translate`, `scale`, `rotate`, `shear_x` and `shear_y`; see [`Transform2`](crate::geom::Transform2).
-/// `scale` takes two factors or one.
+/// Its steps are `translate`, `scale`, `rotate`, `shear_x`, `shear_y` and `matrix`; see
+/// [`Transform2`](crate::geom::Transform2). `scale` takes two factors or one. `matrix` takes two rows of three numbers;
+/// the third column is the translation.
 ///
 /// Colours are linear red, green and blue from 0 to 1.
 ///

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use glam::{Affine2, Affine3, Vec2, Vec3};
+use glam::{Affine2, Affine3, Mat3, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -77,6 +77,7 @@ pub(super) enum Step2 {
     Rotate(Finite),
     ShearX(Finite),
     ShearY(Finite),
+    Matrix(Array<Array<Finite, 3>, 2>),
 }
 
 impl From<Step2> for Transform2 {
@@ -88,6 +89,10 @@ impl From<Step2> for Transform2 {
             Step2::Rotate(degrees) => Self::Rotate(degrees.0),
             Step2::ShearX(factor) => Self::ShearX(factor.0),
             Step2::ShearY(factor) => Self::ShearY(factor.0),
+            Step2::Matrix(Array(rows)) => {
+                let [x, y] = rows.map(|Array(row)| Vec3::from_array(row.map(|number| number.0)));
+                Self::Matrix(Affine2::from_mat3(Mat3::from_cols(x, y, Vec3::Z).transpose()))
+            }
         }
     }
 }
