@@ -51,6 +51,14 @@ fn faces_become_fans_in_file_order() {
     assert_eq!(loaded.positions().len(), 6);
 }
 
+#[test]
+fn vertices_keep_the_order_of_the_file() {
+    // The first vertex is used last, the second never, and the others before the file defines them.
+    let loaded = mesh("f 4 3 5\nv 0 0 0\nv 9 9 9\nv 1 0 0\nv 1 1 0\nv 0 2 0 2\nf 5 4 1\nf 1 3 4 5\n");
+    assert_eq!(loaded.positions(), [A, B, D, C]);
+    assert_eq!(loaded.triangles(), [[2, 1, 3], [3, 2, 0], [0, 1, 2], [0, 2, 3]]);
+}
+
 /// An OBJ file of one polygon.
 fn polygon(corners: &[[f32; 2]]) -> String {
     let vertices: String = corners.iter().map(|[x, y]| format!("v {x} {y} 0\n")).collect();

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::obj_lines::ObjLines;
 use crate::tracer::meshes::polygon::OddPolygons;
 
-/// Vertices and triangles, in the order of the faces.
+/// Vertices, in the order of the file, and triangles, in the order of the faces.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
@@ -19,9 +20,9 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// Splits the faces of the only model. `polygons` holds the line of each face with more than three corners.
-    /// `keep_corners` asks for [`Geometry::corners`].
-    pub(super) fn new(models: &[tobj::Model], polygons: &[usize], keep_corners: bool) -> Self {
+    /// Splits the faces of the only model. `lines` says what `tobj` does not: the line of each polygon, and the vertex
+    /// of each corner. `keep_corners` asks for [`Geometry::corners`].
+    pub(super) fn new(models: &[tobj::Model], lines: &ObjLines, keep_corners: bool) -> Self {
         let [tobj::Model { mesh, .. }] = models else {
             unreachable!("tobj starts a new model only at a group or material")
         };
@@ -30,7 +31,7 @@ impl Geometry {
             positions: positions.iter().map(|&position| Vec3::from_array(position)).collect(),
             ..Self::default()
         };
-        let mut polygons = polygons.iter();
+        let mut polygons = lines.polygons.iter();
         // Without arities, every face is a triangle.
         let mut arities = mesh.face_arities.iter();
         let mut indices = &mesh.indices[..];
@@ -57,7 +58,27 @@ impl Geometry {
             }
         }
         geometry.first_triangles.push(geometry.triangles.len());
+        geometry.restore_order(lines);
         geometry
+    }
+
+    /// Numbers the vertices in the order of the file. `tobj` numbers them in the order in which faces first use them.
+    fn restore_order(&mut self, lines: &ObjLines) {
+        const UNUSED: u32 = u32::MAX;
+        let mut tobj_numbers = vec![UNUSED; lines.vertices];
+        let mut next = 0;
+        for &vertex in &lines.corners {
+            let number = &mut tobj_numbers[vertex as usize];
+            if *number == UNUSED {
+                *number = next;
+                next += 1;
+            }
+        }
+        tobj_numbers.retain(|&number| number != UNUSED);
+        self.positions = tobj_numbers.iter().map(|&number| self.positions[number as usize]).collect();
+        let mut numbers = vec![0; tobj_numbers.len()];
+        (0..).zip(tobj_numbers).for_each(|(number, tobj_number)| numbers[tobj_number as usize] = number);
+        self.triangles.iter_mut().flatten().for_each(|vertex| *vertex = numbers[*vertex as usize]);
     }
 
     /// The triangles of a face with more than three corners, by its corners.

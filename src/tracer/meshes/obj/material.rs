@@ -189,9 +189,11 @@ impl MtlLines {
             _ => return Err(line.error("a colour needs 3 numbers, or 1 for a grey")),
         };
         let clamped = color.clamp(Vec3::ZERO, Vec3::ONE);
-        if clamped != color {
-            self.clamped.add(line);
+        if clamped == color {
+            // With the signs of its zeros.
+            return Ok(color);
         }
+        self.clamped.add(line);
         Ok(clamped)
     }
 }

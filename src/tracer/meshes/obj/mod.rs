@@ -41,7 +41,8 @@ use super::reader::CheckedReader;
 use super::report::MeshReport;
 use crate::error::Error;
 
-/// Loads an OBJ file and the material files that it names. Triangles are in the order of the file's faces.
+/// Loads an OBJ file and the material files that it names. Triangles are in the order of the file's faces. Vertices are
+/// in its order too, without those that no face uses.
 ///
 /// A material file that does not exist is a warning.
 ///
@@ -54,7 +55,7 @@ pub fn load_obj(path: &Path) -> Result<(Mesh, MeshReport), Error> {
     let parsed = tobj::load_obj_buf(&mut reader, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     let ((models, _), lines) = reader.finish(parsed)?;
     let has_attributes = lines.normals.is_used() || lines.texture_coordinates.is_used();
-    let geometry = Geometry::new(&models, &lines.polygons, has_attributes);
+    let geometry = Geometry::new(&models, &lines, has_attributes);
 
     let mut warnings = Vec::new();
     let colors = lines.libraries.load(path, &mut warnings)?;

@@ -54,8 +54,8 @@ pub(super) struct ObjLines {
     /// The line of each face with more than three corners.
     pub(super) polygons: Vec<usize>,
     forward: ForwardIndices,
-    /// Number of corners of all faces.
-    corners: usize,
+    /// The vertex of each corner of all faces, counted from 0.
+    pub(super) corners: Vec<u32>,
     pub(super) normals: Attribute<3>,
     pub(super) texture_coordinates: Attribute<2>,
     pub(super) libraries: UsedLibraries,
@@ -84,7 +84,7 @@ impl Default for ObjLines {
             faces: 0,
             polygons: Vec::new(),
             forward: ForwardIndices::default(),
-            corners: 0,
+            corners: Vec::new(),
             normals: Attribute::normals(),
             texture_coordinates: Attribute::texture_coordinates(),
             libraries: UsedLibraries::default(),
@@ -173,10 +173,11 @@ impl ObjLines {
             // tobj gets only the index of the position. Those of texture coordinate and normal follow after slashes.
             let mut indices = word.split(|&byte| byte == b'/');
             let index = indices.next().unwrap_or_default();
-            self.forward.resolve(&VERTEX, self.vertices, line, index)?;
-            self.texture_coordinates.add_corner(line, indices.next().unwrap_or_default(), self.corners)?;
-            self.normals.add_corner(line, indices.next().unwrap_or_default(), self.corners)?;
-            self.corners += 1;
+            let vertex = self.forward.resolve(&VERTEX, self.vertices, line, index)?;
+            self.texture_coordinates.add_corner(line, indices.next().unwrap_or_default(), self.corners.len())?;
+            self.normals.add_corner(line, indices.next().unwrap_or_default(), self.corners.len())?;
+            // An index beyond u32 is beyond every file too. check_end refuses it.
+            self.corners.push(u32::try_from(vertex).unwrap_or(u32::MAX));
             checked.push(b' ');
             checked.extend(index);
             corners += 1;
