@@ -81,33 +81,33 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::R
     written.map_err(Error::writing(path))
 }
 
-/// Writes several files into a folder, each like [`write_atomically`]. No file is replaced before all are written.
+/// Writes several files, each like [`write_atomically`]. No file is replaced before all are written. Then they are
+/// replaced in this order. `name` stands for all of them in the list of [`hold_writes`].
 ///
 /// # Errors
 /// If one of them cannot be created or written.
-#[cfg(feature = "study")]
-pub(crate) fn write_together(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
+pub(crate) fn write_together<W>(name: &Path, files: impl IntoIterator<Item = (PathBuf, W)>) -> Result<(), Error>
+where
+    W: FnOnce(&mut dyn Write) -> io::Result<()>,
+{
     let mut replaceable = Vec::new();
-    for (name, content) in files {
-        let path = folder.join(name);
+    for (path, write) in files {
         match Target::of(&path) {
-            Ok(Target::Replaceable(target)) => replaceable.push((path, target, content)),
-            Ok(Target::Open(file)) => {
-                write_buffered(file, |file| file.write_all(content)).map_err(Error::writing(&path))?;
-            }
+            Ok(Target::Replaceable(target)) => replaceable.push((path, target, write)),
+            Ok(Target::Open(file)) => write_buffered(file, write).map_err(Error::writing(&path))?,
             Err(error) => return Err(Error::writing(&path)(error)),
         }
     }
     let mut written = lock_writes();
     let mut staged = Vec::new();
-    for (path, target, content) in replaceable {
-        let file = target.stage(|file| file.write_all(content)).map_err(Error::writing(&path))?;
+    for (path, target, write) in replaceable {
+        let file = target.stage(write).map_err(Error::writing(&path))?;
         staged.push((path, file));
     }
     for (path, file) in staged {
         file.move_into_place().map_err(Error::writing(&path))?;
     }
-    written.push(folder.into());
+    written.push(name.into());
     Ok(())
 }
 

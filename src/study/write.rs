@@ -1,5 +1,6 @@
 //! Writes a record to a folder: `results.json`, the charts and the report.
 
+use std::io::Write;
 use std::path::Path;
 
 use super::present::chart::charts;
@@ -21,7 +22,8 @@ pub const RESULT_EXTENSIONS: [&str; 4] = ["json", "md", "html", "svg"];
 pub fn write(record: &Record, folder: &Path) -> Result<(), Error> {
     let files = files(record);
     make_folder(folder)?;
-    write_together(folder, &files)
+    let files = files.iter().map(|(name, content)| (folder.join(name), |out: &mut dyn Write| out.write_all(content)));
+    write_together(folder, files)
 }
 
 /// Writes a record into a new folder. The folder appears with all of its files, or not at all.

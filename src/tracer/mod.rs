@@ -34,7 +34,7 @@
 //! | `scene` | geometries, instances, and the two-level scene |
 //! | `trace` | many rays at once: modes, threads, ray files |
 //! | `image` | camera, light, shading |
-//! | `load` | scene files, built-in scenes |
+//! | `load` | scene files, read and written; built-in scenes |
 //!
 //! Each room uses only those above it.
 //!
@@ -81,7 +81,7 @@ pub use image::{
 };
 #[cfg(feature = "study")]
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
-pub use load::{BuiltIn, LoadedScene, SceneSource, load_mesh, load_scene};
+pub use load::{BuiltIn, LoadedScene, SceneSource, load_mesh, load_scene, write_scene};
 pub use memory::check_memory;
 pub use meshes::{Mesh, MeshError, MeshReport, Part, load_obj, load_ply, load_stl};
 #[cfg(feature = "study")]

@@ -1,4 +1,4 @@
-//! Loading scenes: mesh files, scene files in TOML, and built-in scenes.
+//! Loading scenes: mesh files, scene files in TOML, and built-in scenes. Writing scene files.
 
 mod builtin;
 mod loaded;
@@ -7,5 +7,5 @@ mod source;
 
 pub use builtin::BuiltIn;
 pub use loaded::{LoadedScene, load_mesh};
-pub use scene_file::load_scene;
+pub use scene_file::{load_scene, write_scene};
 pub use source::SceneSource;

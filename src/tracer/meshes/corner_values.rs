@@ -41,8 +41,21 @@ impl<T: Copy> CornerValues<T> {
     /// # Panics
     /// If there is no such triangle.
     pub(super) fn of(&self, primitive: u32) -> Option<[T; 3]> {
-        let indices = self.corners[primitive as usize];
-        (indices[0] != Mesh::NO_VALUE).then(|| indices.map(|index| self.values[index as usize]))
+        Some(self.indices(primitive as usize)?.map(|index| self.values[index as usize]))
+    }
+
+    /// The indices of the values at the corners of a triangle, or `None` if it has none.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub(super) fn indices(&self, triangle: usize) -> Option<[u32; 3]> {
+        let indices = self.corners[triangle];
+        (indices[0] != Mesh::NO_VALUE).then_some(indices)
+    }
+
+    /// All values.
+    pub(super) fn values(&self) -> &[T] {
+        &self.values
     }
 
     pub(super) fn bytes(&self) -> usize {

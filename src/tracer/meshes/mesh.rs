@@ -219,6 +219,16 @@ impl Mesh {
         self.texture_coordinates.as_ref()?.of(primitive)
     }
 
+    /// The normals with their indices.
+    pub(super) fn normal_values(&self) -> Option<&CornerValues<Vec3>> {
+        self.normals.as_deref()
+    }
+
+    /// The texture coordinates with their indices.
+    pub(super) fn texture_values(&self) -> Option<&CornerValues<Vec2>> {
+        self.texture_coordinates.as_deref()
+    }
+
     /// The smallest box around all triangles. Vertices that no triangle uses do not count.
     pub fn bounds(&self) -> Aabb {
         self.iter().fold(Aabb::EMPTY, |bounds, triangle| bounds.union(&triangle.bounds()))

@@ -5,6 +5,7 @@ mod corner_values;
 pub(crate) mod generator;
 mod line;
 mod mesh;
+mod number;
 mod obj;
 mod ply;
 mod polygon;
@@ -14,7 +15,9 @@ mod stl;
 
 pub(crate) use mesh::two_sum;
 pub use mesh::{Mesh, MeshError, Part};
+pub(crate) use number::Shortest;
 pub use obj::load_obj;
+pub(crate) use obj::{Materials, write_obj};
 pub use ply::load_ply;
 pub use report::MeshReport;
 pub use stl::load_stl;

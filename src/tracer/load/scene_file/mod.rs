@@ -1,7 +1,7 @@
 //! Scene files in TOML: meshes and quadrics, instances of them, a camera and a light.
 //!
 //! `toml` parses a file into the structs of [`format`]. From these, [`builder`] makes the world, and [`view`] makes
-//! camera and light.
+//! camera and light. [`write`] makes a file of a world.
 
 mod builder;
 mod error;
@@ -11,6 +11,7 @@ mod quadric;
 mod scatter;
 mod transform;
 mod view;
+mod write;
 
 use std::io::Read;
 use std::path::Path;
@@ -18,12 +19,14 @@ use std::path::Path;
 use self::builder::WorldBuilder;
 use self::error::{SceneError, SpanError};
 use self::format::SceneFile;
+pub use self::write::write_scene;
 use super::loaded::LoadedScene;
 use crate::error::{Error, quoted};
 use crate::files::Input;
 
-/// Largest size in bytes of a scene file.
-const MAX_BYTES: u64 = 1 << 24;
+/// Largest size in bytes of a scene file. About 170,000 instances with matrices fit. `toml` takes some 25 times the
+/// memory.
+const MAX_BYTES: u64 = 1 << 25;
 
 /// Loads a scene file in TOML, and the mesh files that it names.
 ///

@@ -129,6 +129,15 @@ impl<'de> Deserialize<'de> for Color {
     }
 }
 
+/// A type of numbers with a range.
+pub(super) trait Number {
+    /// The range, as the error message says what is expected.
+    const EXPECTED: &'static str;
+
+    /// Whether the number is in the range.
+    fn accepts(number: f64) -> bool;
+}
+
 /// Declares number types: name, stored type, what the error message says is expected, and which numbers are accepted.
 macro_rules! numbers {
     ($($(#[$comment:meta])* $name:ident($number:ident), $expected:literal, $accepts:expr;)*) => {$(
@@ -136,9 +145,18 @@ macro_rules! numbers {
         #[derive(Clone, Copy)]
         pub(super) struct $name(pub(super) $number);
 
+        impl Number for $name {
+            const EXPECTED: &'static str = $expected;
+
+            fn accepts(number: f64) -> bool {
+                let accepts: fn(f64) -> bool = $accepts;
+                accepts(number)
+            }
+        }
+
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                let number = deserializer.deserialize_any(NumberVisitor { expected: $expected, accepts: $accepts })?;
+                let number = deserializer.deserialize_any(NumberVisitor(PhantomData::<Self>))?;
                 Ok(Self(number as $number))
             }
         }
@@ -159,17 +177,14 @@ numbers! {
     };
 }
 
-/// Parses an integer or a floating-point number that `accepts` allows.
-struct NumberVisitor {
-    expected: &'static str,
-    accepts: fn(f64) -> bool,
-}
+/// Parses an integer or a floating-point number that is in the range of `N`.
+struct NumberVisitor<N>(PhantomData<N>);
 
-impl Visitor<'_> for NumberVisitor {
+impl<N: Number> Visitor<'_> for NumberVisitor<N> {
     type Value = f64;
 
     fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(self.expected)
+        f.write_str(N::EXPECTED)
     }
 
     fn visit_f64<E: Error>(self, number: f64) -> Result<f64, E> {
@@ -185,10 +200,10 @@ impl Visitor<'_> for NumberVisitor {
     }
 }
 
-impl NumberVisitor {
+impl<N: Number> NumberVisitor<N> {
     /// Returns the number if it is accepted. `found` is the number as the file has it, for the message.
     fn check<E: Error>(&self, number: f64, found: impl Debug) -> Result<f64, E> {
-        if (self.accepts)(number) {
+        if N::accepts(number) {
             return Ok(number);
         }
         Err(E::invalid_value(Unexpected::Other(&format!("`{found:?}`")), self))

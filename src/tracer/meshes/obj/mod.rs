@@ -31,11 +31,13 @@ mod attribute;
 mod geometry;
 mod material;
 mod obj_lines;
+mod write;
 
 use std::path::Path;
 
 use self::geometry::Geometry;
 use self::obj_lines::ObjLines;
+pub(crate) use self::write::{Materials, write_obj};
 use super::mesh::Mesh;
 use super::reader::CheckedReader;
 use super::report::MeshReport;
