@@ -9,6 +9,7 @@
 //! | [`record`] | the rows as plain data, and `results.json` |
 //! | `figures` | derives figures from the rows: rates, groups of kernels, failures, claims, targets |
 //! | `present` | draws charts, and writes the report and the tables |
+//! | `advice` | measures what matters in a scene and its rays |
 //! | [`peers`] | compares the tracer with other tracers, by means of the rooms above |
 //!
 //! A room imports only rooms above it, and never one below. `record` is the exception: it is plain data, imports no
@@ -17,6 +18,7 @@
 //! `run.rs` runs the whole study, `write.rs` writes its files, and `progress.rs` shows how far it has come. `tests/` is
 //! compiled for tests only.
 
+mod advice;
 mod figures;
 mod measure;
 pub mod peers;

@@ -83,6 +83,8 @@ pub use image::{
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_mesh, load_scene, write_scene};
 pub use memory::check_memory;
+#[cfg(feature = "study")]
+pub(crate) use meshes::has_zero_area;
 pub use meshes::{Mesh, MeshError, MeshReport, Part, load_obj, load_ply, load_stl};
 #[cfg(feature = "study")]
 pub(crate) use scene::Leaving;

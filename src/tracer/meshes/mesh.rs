@@ -266,7 +266,7 @@ fn first_bad_part(parts: &[Part], triangles: usize) -> Option<usize> {
 
 /// Decides exactly whether `(v1 - v0) × (v2 - v0)` is zero. Expanded, each component of the cross product is a sum of
 /// six products of two coordinates. `f64` holds such a product without rounding.
-fn has_zero_area(triangle: &Triangle) -> bool {
+pub(crate) fn has_zero_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.vertices().map(|vertex| vertex.to_array().map(f64::from));
     [(1, 2), (2, 0), (0, 1)].into_iter().all(|(y, z)| {
         let cross = |p: [f64; 3], q: [f64; 3]| [p[y] * q[z], -(p[z] * q[y])];

@@ -13,6 +13,8 @@ mod reader;
 mod report;
 mod stl;
 
+#[cfg(feature = "study")]
+pub(crate) use mesh::has_zero_area;
 pub(crate) use mesh::two_sum;
 pub use mesh::{Mesh, MeshError, Part};
 pub(crate) use number::Shortest;

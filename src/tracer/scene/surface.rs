@@ -111,7 +111,7 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
     }
 
     /// The triangle that was hit, or the face, in the coordinates of its geometry.
-    fn shape_of(&self, hit: &Hit<f32>) -> Leaving {
+    pub(crate) fn shape_of(&self, hit: &Hit<f32>) -> Leaving {
         let placement = &self.world().instances()[hit.instance as usize];
         let primitive = self.primitive_of_mesh(hit);
         match &self.world().geometries()[placement.geometry as usize] {
