@@ -17,6 +17,9 @@ struct Case {
     rays: Vec<Ray<f32>>,
 }
 
+/// Makes a ray from the way from the target to the eye, and the target.
+type MakeRay = fn(Vec3, Vec3) -> Ray<f32>;
+
 /// Cells along a side of the meadow.
 const CELLS: u32 = 40;
 /// Size of a cell.
@@ -85,7 +88,7 @@ impl Case {
         self
     }
 
-    /// The same with other rays, made from the direction to the eye and the target of each.
+    /// The same with other rays, made like a [`MakeRay`].
     fn with_rays(mut self, ray: impl Fn(Vec3, Vec3) -> Ray<f32>) -> Self {
         for old in &mut self.rays {
             *old = ray(-old.dir, old.origin + old.dir);
@@ -188,6 +191,33 @@ fn each_trait_decides_beyond_its_limit_also_in_the_same_scene_rotated_shuffled_s
                 let traits = case.traits();
                 assert_eq!(find(&traits, name).decides, decides, "{name}, {severity}: {traits:#?}");
             }
+        }
+    }
+}
+
+#[test]
+fn a_few_hits_and_triangles_decide() {
+    let decides = |case: &Case, name: &str| find(&case.traits(), name).decides;
+    let changes: [(&str, MakeRay); 4] = [
+        ("small triangles far away", |away, target| Ray::new(target + away * 500.0, -away)),
+        ("large triangles nearby", |away, target| Ray::new(target + away * 1e-5, -away)),
+        ("grazing rays", |away, target| {
+            let away = away.with_z(0.0).normalize() + Vec3::Z * 3e-4;
+            Ray::new(target + away * 0.5, -away)
+        }),
+        ("small determinants", |away, target| Ray::new(target + away, away * -1e-6)),
+    ];
+    for (name, change) in changes {
+        let (mut case, bad) = (meadow(0.0), meadow(0.0).with_rays(change));
+        for (count, expected) in [(1, false), (8, true)] {
+            case.rays[..count].copy_from_slice(&bad.rays[..count]);
+            assert_eq!(decides(&case, name), expected, "{name}: {count} of {} rays", case.rays.len());
+        }
+    }
+    for name in ["slivers", "nearly degenerate triangles"] {
+        for (count, expected) in [(3, false), (20, true)] {
+            let case = meadow(0.0).with_triangles(slivers(1e5).take(count));
+            assert_eq!(decides(&case, name), expected, "{name}: {count} of {} triangles", case.triangles.len());
         }
     }
 }
