@@ -87,6 +87,8 @@ pub use memory::check_memory;
 pub(crate) use meshes::has_zero_area;
 pub use meshes::{Mesh, MeshError, MeshReport, Part, load_obj, load_ply, load_stl};
 #[cfg(feature = "study")]
+pub(crate) use meshes::{has_zero_area, two_sum};
+#[cfg(feature = "study")]
 pub(crate) use scene::Leaving;
 pub use scene::{Checker, Disc, Face, Filtered, Geometry, Paint, Placement, Scene, SurfacePoint, World, WorldError};
 pub use trace::{

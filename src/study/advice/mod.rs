@@ -1,4 +1,4 @@
-//! Advice: which kernel and mode a scene needs, and why.
+//! Advice: what kernel, mode and model a scene needs.
 
-#[cfg_attr(not(test), expect(dead_code, reason = "the judge of a scene, which asks for the traits, is not there yet"))]
-mod traits;
+#[cfg_attr(not(test), expect(dead_code, reason = "the command that gives advice is not written yet"))]
+pub(crate) mod models;

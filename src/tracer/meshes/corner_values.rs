@@ -5,9 +5,9 @@ use super::mesh::{Mesh, MeshError};
 /// Values, and which of them each triangle has at its corners. Corners may share a value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct CornerValues<T> {
-    values: Vec<T>,
+    pub(super) values: Vec<T>,
     /// For each triangle: three indices of values, or three times [`Mesh::NO_VALUE`].
-    corners: Vec<[u32; 3]>,
+    pub(super) corners: Vec<[u32; 3]>,
 }
 
 impl<T: Copy> CornerValues<T> {

@@ -11,12 +11,12 @@ pub(super) const DEFAULT_COLOR: Vec3 = Vec3::splat(0.8);
 /// Triangles that share vertices. Every mesh is valid: [`Mesh::new`] lists the conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    parts: Vec<Part>,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) parts: Vec<Part>,
     /// In a box of its own, so that a mesh without them hardly grows.
-    normals: Option<Box<CornerValues<Vec3>>>,
-    texture_coordinates: Option<Box<CornerValues<Vec2>>>,
+    pub(super) normals: Option<Box<CornerValues<Vec3>>>,
+    pub(super) texture_coordinates: Option<Box<CornerValues<Vec2>>>,
 }
 
 /// A range of triangles of one colour. It ends before the first triangle of the next part, or with the mesh.

@@ -2,6 +2,8 @@
 
 mod closed;
 mod corner_values;
+#[cfg(feature = "study")]
+mod derived;
 pub(crate) mod generator;
 mod line;
 mod mesh;
