@@ -177,7 +177,7 @@ mod tests {
     fn untransformed_meshes_become_one_for_each_mask_in_the_colours_of_their_instances() {
         let [sphere, room] = ["sphere:1e3", "room:1e3"].map(mesh);
         let meshes = [0.0, 1.5, 3.0].map(|x| with_values(moved(&sphere, at(x))).into_geometry());
-        let geometries = [&meshes[..], &[moved(&room, at(5.0)).into_geometry(), meshes[0].clone()]].concat();
+        let geometries = [&meshes[..], &[moved(&room, at(12.0)).into_geometry(), meshes[0].clone()]].concat();
         let paints = [Paint::Own, Paint::Plain(RED), Paint::Plain(BLUE), Paint::Own, Paint::Own];
         let placement = |(number, paint)| Placement::new(number, Affine3::IDENTITY).with_paint(paint);
         let mut instances: Vec<_> = (0..).zip(paints).map(placement).collect();

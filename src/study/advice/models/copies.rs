@@ -299,16 +299,21 @@ mod tests {
             let other = moved(&tree(), Affine3::from_translation(Vec3::X * 2.0) * transform);
             Mesh::joined(&[tree(), other]).unwrap()
         };
-        assert!(found(beside(Affine3::IDENTITY)));
+        let both = beside(Affine3::IDENTITY);
+        assert!(found(both.clone()));
+        let mut triangles = both.triangles().to_vec();
+        triangles[both.len() / 2..].iter_mut().for_each(|corners| corners.rotate_left(1));
+        assert!(found(Mesh::new(both.positions().to_vec(), triangles, both.parts().to_vec()).unwrap()));
         assert!(!found(beside(Affine3::from_scale(Vec3::splat(1.001)))));
         assert!(!found(beside(Affine3::from_scale(Vec3::new(-1.0, 1.0, 1.0)))));
         assert!(!found(beside(rotation())));
         // One vertex is elsewhere; two triangles join other vertices; colours are exchanged; normals differ.
-        let both = beside(Affine3::IDENTITY);
         let last = both.positions().len() - 40;
-        let mut positions = both.positions().to_vec();
-        positions[last] += 1e-4;
-        assert!(!found(Mesh::new(positions, both.triangles().to_vec(), both.parts().to_vec()).unwrap()));
+        for elsewhere in [ALONG, ALONG.cross(DVec3::X)] {
+            let mut positions = both.positions().to_vec();
+            positions[last] += (elsewhere * 1e-4).as_vec3();
+            assert!(!found(Mesh::new(positions, both.triangles().to_vec(), both.parts().to_vec()).unwrap()));
+        }
         let mut triangles = both.triangles().to_vec();
         triangles[both.len() - 7].swap(0, 1);
         assert!(!found(Mesh::new(both.positions().to_vec(), triangles, both.parts().to_vec()).unwrap()));

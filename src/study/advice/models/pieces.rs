@@ -92,3 +92,23 @@ pub(super) fn without_unused(geometries: Vec<Geometry>, mut instances: Vec<Place
     let used = geometries.into_iter().zip(is_used).filter(|(_, used)| *used).map(|(geometry, _)| geometry);
     World::new(used.collect(), instances).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::tests::mesh;
+    use super::*;
+
+    #[test]
+    fn the_rounding_of_transforms_counts() {
+        let mesh = Geometry::Mesh(mesh("sphere:1e3"));
+        let to_whole = DAffine3::from_translation(DVec3::X * 0.1);
+        let placed = vec![Piece { geometry: 0, to_whole, color: None }];
+        let world = World::new(vec![mesh.clone()], vec![Placement::new(0, glam::Affine3::IDENTITY)]).unwrap();
+        let (_, deviation) =
+            replaced(&world, &[Some(Pieces { geometries: vec![mesh], placed, deviation: 0.0 })]).unwrap();
+        let rounding = (f64::from(0.1_f32) - 0.1).abs();
+        assert!((deviation - rounding).abs() < 1e-3 * rounding, "{deviation}");
+    }
+}

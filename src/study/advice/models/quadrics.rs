@@ -360,6 +360,13 @@ mod tests {
             ("cylinder", revolved(64, &[(1.0, -1.5), (1.0, 2.0)])),
             ("tube of several rings", revolved(40, &outline(-1.0, 3.0, |_| 0.7))),
             ("cone", revolved(100, &[(0.0, 0.0), (1.0, 2.0)])),
+            (
+                "elliptic cone",
+                moved(
+                    &revolved(64, &outline(0.0, 2.0, |height| height)),
+                    Affine3::from_scale(Vec3::new(1.0, 2.0, 1.0)),
+                ),
+            ),
             ("flat cone", revolved(100, &[(0.0, 0.0), (3.0, 0.5)])),
             ("frustum", revolved(64, &[(0.5, 1.0), (1.0, 2.0)])),
             ("paraboloid", revolved(64, &outline(0.0, 2.0, f32::sqrt))),
@@ -407,6 +414,11 @@ mod tests {
         let (cone, placed) = shown(revolved(100, &[(0.0, 1.0), (1.0, 3.0)]));
         assert_eq!((cone.squares.truncate(), cone.linear, cone.constant), (glam::Vec2::ONE, Vec3::ZERO, 0.0));
         assert!((cone.squares.z + 0.25).abs() < 1e-6 && placed.translation.abs_diff_eq(Vec3::Z, 1e-6), "{placed}");
+        // No vertex is where a coarse tube is widest. The box is wide enough for the quadric.
+        let (tube, _) = shown(revolved(20, &outline(0.0, 1.0, |_| 1.0)));
+        let reach = tube.clip.hi.truncate().min(-tube.clip.lo.truncate());
+        assert!(reach.min_element() > 1.0 && reach.max_element() < 1.05, "{tube:?}");
+        assert!((tube.clip.extent().z - 1.0).abs() < 1e-6, "{tube:?}");
     }
 
     #[test]
@@ -459,6 +471,7 @@ mod tests {
         positions[1234] *= 1.0001;
         assert!(!found(colored(positions, sphere.triangles().to_vec(), RED)), "a bump");
         assert!(!found(revolved(4, &outline(0.0, 9.0, |_| 1.0))), "a prism");
+        assert!(!found(revolved(12, &outline(0.0, 1.0, |_| 1.0))), "a coarse cylinder");
         assert!(!found(revolved(64, &outline(-1.0, 1.0, |height| 2.0 + height.powi(3)))), "no quadric");
         let spots = [(0, RED), (40, BLUE)].map(|(first_triangle, color)| Part { first_triangle, color });
         let spotted = Mesh::new(sphere.positions().to_vec(), sphere.triangles().to_vec(), spots.to_vec()).unwrap();

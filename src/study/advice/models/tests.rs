@@ -180,6 +180,10 @@ fn models_are_combined_in_order_and_sharing_is_not_baked() {
     let baked = combined(&world, |model| model.name == bake::NAME).map(|model| model.world.instances().len());
     assert_eq!(baked, None, "too far away to be baked");
     assert!(combined(&built_in("terrain:1e3"), |_| true).is_none());
+
+    let near = [0.0, 2.5].map(|x| (sphere.clone().into_geometry(), Affine3::from_translation(Vec3::X * x)));
+    let shared = combined(&self::world(near.to_vec()), |model| model.deviation.keeps_surface()).unwrap();
+    assert_eq!((shared.name, shared.world.instances().len()), (share::NAME, 2));
 }
 
 /// Meshes as geometries, for short.
