@@ -26,6 +26,8 @@ pub(super) enum Command {
     Trace(TraceArguments),
     /// Trace and shade a picture; write it as PNG.
     Render(RenderArguments),
+    /// Say which kernel and mode a scene needs, and why: measured on rays of this scene.
+    Advise(AdviseArguments),
     /// List the kernels: ID, operations, bytes, claims and idea.
     List,
     /// What a study starts in processes of its own.
@@ -137,6 +139,9 @@ pub(super) struct SceneArguments {
     /// How rays are traced. The hits are the same in every mode.
     #[arg(long, default_value = Mode::Auto.name(), value_parser = mode_parser())]
     pub(super) mode: Mode,
+    /// Use kernels and mode of this plan, which `advise --save` has written.
+    #[arg(long, value_name = "PLAN.toml", conflicts_with_all = ["kernel", "quadric_kernel", "mode"])]
+    pub(super) plan: Option<PathBuf>,
     /// Number of threads; 0 means one for each processor.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub(super) threads: u16,
@@ -184,6 +189,48 @@ pub(super) struct TraceArguments {
     /// Print the result as one JSON object.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct AdviseArguments {
+    /// A scene file (*.toml), a mesh (*.obj, *.ply, *.stl) or a built-in scene.
+    pub(super) scene: String,
+    /// How many rays of a million may be wrong: lost, hitting what they exactly miss, or displaced. 0 asks for kernels
+    /// that claim to be always right, also at edges.
+    #[arg(long, value_name = "PER_MILLION", default_value_t = 10.0, value_parser = parse_rate)]
+    pub(super) max_wrong: f64,
+    /// How far a hit may be displaced along its ray, relative to its distance, or to the size of what it hits if that
+    /// is less. Farther is wrong.
+    #[arg(long, value_name = "RELATIVE", default_value_t = 1e-3, value_parser = parse_error)]
+    pub(super) max_error: f64,
+    /// Advise for the rays of this file instead of those of a picture. Per ray: raw little-endian f32,
+    /// `ox oy oz t_min dx dy dz t_max`.
+    #[arg(long, value_name = "FILE")]
+    pub(super) rays: Option<PathBuf>,
+    /// Find out only whether rays of the file hit anything.
+    #[arg(long, requires = "rays")]
+    pub(super) any_hit: bool,
+    /// How long to measure, in seconds. Loading and building come before it.
+    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_budget)]
+    pub(super) budget: f64,
+    /// Write a plan, which `trace --plan` and `render --plan` follow.
+    #[arg(long, value_name = "PLAN.toml")]
+    pub(super) save: Option<PathBuf>,
+    /// Write a page with all figures.
+    #[arg(long, value_name = "OUT.md")]
+    pub(super) report: Option<PathBuf>,
+    /// Write a picture of the pixels that the next cheaper kernel gets wrong.
+    #[arg(short, long, value_name = "OUT.png")]
+    pub(super) out: Option<PathBuf>,
+    /// Write a simpler scene, if there is one that gains something: the scene file, and mesh files beside it.
+    #[arg(long, value_name = "OUT.toml", value_parser = parse_scene_file)]
+    pub(super) apply: Option<PathBuf>,
+    /// Print the advice as one JSON object.
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Seed of all random rays.
+    #[arg(long, default_value_t = DEFAULT_SEED)]
+    pub(super) seed: u64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -277,6 +324,32 @@ fn mode_parser() -> impl TypedValueParser<Value = Mode> {
     let mode =
         |name: String| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the possible values");
     PossibleValuesParser::new(Mode::ALL.map(value)).map(mode)
+}
+
+fn parse_scene_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        Ok(path)
+    } else {
+        Err("expected a file name that ends in .toml".into())
+    }
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 1e6).ok_or_else(|| "expected 0 to 1000000".into())
+}
+
+fn parse_error(text: &str) -> Result<f64, String> {
+    within(text, 1e-7, 1.0).ok_or_else(|| "expected 1e-7 to 1; an f32 distance has no more digits".into())
+}
+
+fn parse_budget(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 3600.0).ok_or_else(|| "expected 0.1 to 3600 seconds".into())
+}
+
+/// A number in this range.
+fn within(text: &str, least: f64, most: f64) -> Option<f64> {
+    text.parse().ok().filter(|number| (least..=most).contains(number))
 }
 
 fn parse_field_of_view(text: &str) -> Result<f32, String> {

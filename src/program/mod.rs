@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `args` | every option, with its help text and its parser |
 //! | `usage` | reads the arguments, and makes one line of what is wrong with them |
-//! | `study`, `trace`, `render`, `list` | one command each |
+//! | `study`, `advise`, `trace`, `render`, `list` | one command each |
 //! | `scene`, `memory` | what `trace` and `render` share: the chosen kernels, the loaded scene, checks |
 //! | `terminal` | standard output and standard error |
 //! | `signals` | what happens on Ctrl-C, and where the system refuses to go on |
@@ -12,6 +12,7 @@
 //! An error is one line on standard error; the exit code is then 2. A study starts the program again, with a hidden
 //! command that times kernels.
 
+mod advise;
 mod args;
 mod list;
 mod memory;
@@ -57,7 +58,8 @@ pub(crate) fn main() -> ExitCode {
 
 /// Runs the command. Returns what it prints.
 fn run(command: Command) -> Result<String, Error> {
-    let progress = if matches!(command, Command::Study(_)) { Progress::bar() } else { Progress::spinner() };
+    let progress =
+        if matches!(command, Command::Study(_) | Command::Advise(_)) { Progress::bar() } else { Progress::spinner() };
     // Whoever starts a process that times kernels also ends it.
     if !matches!(command, Command::TimeKernels(_)) {
         signals::exit_when_interrupted(&progress)?;
@@ -66,6 +68,7 @@ fn run(command: Command) -> Result<String, Error> {
         Command::Study(arguments) => study::run(&arguments, &progress),
         Command::Trace(arguments) => trace::run(&arguments, &progress),
         Command::Render(arguments) => render::run(&arguments, &progress),
+        Command::Advise(arguments) => advise::run(&arguments, &progress),
         Command::List => Ok(list::run()),
         Command::TimeKernels(arguments) => study::time(&arguments).map(|()| String::new()),
     };

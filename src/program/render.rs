@@ -18,7 +18,7 @@ const BYTES_PER_PIXEL: usize = 2 * (size_of::<Ray<f32>>() + size_of::<Hit<f32>>(
 pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<String, Error> {
     let scene = &arguments.scene;
     // A large mesh takes long to load, so the other arguments are checked before it.
-    let kernels = scene.kernels()?;
+    let (kernels, mode) = scene.kernels_and_mode()?;
     let marked = with_name_ending(&arguments.out, "-compare");
     let mut outputs = vec![&*arguments.out];
     outputs.extend(arguments.compare.as_ref().map(|_| &*marked));
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<St
     let Loaded { world, camera, light } = pool.install(|| scene.load(&outputs, progress))?;
     let (width, height) = scene.size;
     memory::check(&scene.name(), &world, width as usize * height as usize, BYTES_PER_PIXEL)?;
-    let shot = Shot { camera: camera?, light, mode: scene.mode, width, height };
+    let shot = Shot { camera: camera?, light, mode, width, height };
     let name = scene.name();
     pool.install(|| {
         progress.note(&format!("{name}: rendering"));
@@ -57,11 +57,11 @@ pub(super) fn run(arguments: &RenderArguments, progress: &Progress) -> Result<St
 }
 
 /// Builds the scene, finds the hits and shades them. Returns the world, so that it can be traced again.
-struct Render<'a> {
-    kernels: ChosenKernels,
-    world: World,
-    shot: &'a Shot,
-    shade: Shade,
+pub(super) struct Render<'a> {
+    pub(super) kernels: ChosenKernels,
+    pub(super) world: World,
+    pub(super) shot: &'a Shot,
+    pub(super) shade: Shade,
 }
 
 impl Task<Triangle> for Render<'_> {

@@ -7,8 +7,10 @@ use raylanes::geom::{Quadric, Triangle};
 use raylanes::kernels::{Kernel, Shape};
 use raylanes::registry::{self, Task, Visitor};
 use raylanes::study::Progress;
+use raylanes::study::advice::Plan;
 use raylanes::tracer::{
-    Camera, Error, Light, LoadedScene, Scene, SceneSource, View, ViewError, World, check_output, printable, thread_pool,
+    Camera, Error, Light, LoadedScene, Mode, Scene, SceneSource, View, ViewError, World, check_output, printable,
+    thread_pool,
 };
 use rayon::ThreadPool;
 
@@ -27,11 +29,16 @@ pub(super) struct Loaded {
 }
 
 impl SceneArguments {
-    /// Looks up the kernels that were asked for.
-    pub(super) fn kernels(&self) -> Result<ChosenKernels, Error> {
-        ChosenKernels { triangle: "", quadric: "" }
+    /// Looks up the kernels and the mode that were asked for.
+    pub(super) fn kernels_and_mode(&self) -> Result<(ChosenKernels, Mode), Error> {
+        if let Some(plan) = &self.plan {
+            let Plan { kernel, quadric_kernel, mode } = Plan::read(plan)?;
+            return Ok((ChosenKernels { triangle: kernel, quadric: quadric_kernel }, mode));
+        }
+        let kernels = ChosenKernels { triangle: "", quadric: "" }
             .with(&self.kernel, &["triangle"])?
-            .with(&self.quadric_kernel, &["quadric"])
+            .with(&self.quadric_kernel, &["quadric"])?;
+        Ok((kernels, self.mode))
     }
 
     /// Starts the threads that the scene is loaded, built and traced with.

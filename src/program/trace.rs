@@ -7,7 +7,7 @@ use raylanes::geom::{Hit, Ray, Triangle};
 use raylanes::kernels::Kernel;
 use raylanes::registry::Task;
 use raylanes::study::{self, Progress};
-use raylanes::tracer::{self, Error, World};
+use raylanes::tracer::{self, Error, Mode, World};
 use rayon::ThreadPool;
 use serde::Serialize;
 
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
     outputs.iter().try_for_each(|output| tracer::check_output(output))?;
     let pool = scene.pool()?;
     let file_rays = arguments.rays.as_deref().map(tracer::read_rays).transpose()?;
-    let kernels = scene.kernels()?;
+    let (kernels, mode) = scene.kernels_and_mode()?;
     let Loaded { world, camera, .. } = pool.install(|| scene.load(&outputs, progress))?;
     let (width, height) = scene.size;
     let pixels = width as usize * height as usize;
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
         Some(rays) => rays,
         None => camera?.rays(width, height),
     };
-    let result = kernels.run(Trace { kernels, arguments, world, pool: &pool, rays, picture_order, progress })?;
+    let result = kernels.run(Trace { kernels, mode, arguments, world, pool: &pool, rays, picture_order, progress })?;
     if arguments.json {
         return Ok(serde_json::to_string(&result).expect("plain data") + "\n");
     }
@@ -83,6 +83,7 @@ pub(super) fn run(arguments: &TraceArguments, progress: &Progress) -> Result<Str
 /// Builds the scene, traces the rays and writes the hits, with the triangle kernel that is chosen at run time.
 struct Trace<'a> {
     kernels: ChosenKernels,
+    mode: Mode,
     arguments: &'a TraceArguments,
     world: World,
     pool: &'a ThreadPool,
@@ -96,8 +97,8 @@ impl Task<Triangle> for Trace<'_> {
     type Output = Result<TraceResult, Error>;
 
     fn run<K: Kernel<Shape = Triangle>>(self) -> Self::Output {
-        let Self { kernels, arguments, world, pool, rays, picture_order, progress } = self;
-        let (any_hit, mode) = (arguments.any_hit, arguments.scene.mode);
+        let Self { kernels, mode, arguments, world, pool, rays, picture_order, progress } = self;
+        let any_hit = arguments.any_hit;
         let [triangles, quadrics, instances] = [world.triangles(), world.quadrics(), world.instances().len()];
         progress.note(&format!("{}: building", arguments.scene.name()));
         let start = Instant::now();

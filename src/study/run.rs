@@ -72,7 +72,7 @@ pub fn run(options: &Options, progress: &Progress) -> Result<Record, Error> {
 
     // The parts of the progress bar: about the seconds that each takes on a machine with two processors.
     let [speed_part, accuracy_part, judged_part, scenes_part, coherence_part, scaling_part] =
-        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [45.0, 46.0, 20.0, 27.0, 15.0, 4.0] };
+        if options.quick { [4.0, 4.0, 1.0, 2.0, 1.0, 0.1] } else { [45.0, 40.0, 20.0, 27.0, 19.0, 4.0] };
     let scaling_part = if options.large { 12.0 * scaling_part } else { scaling_part };
     let speed_part = if options.other.is_some() { 2.0 * speed_part } else { speed_part };
     let peers_part = if options.peers { 2.0 * scenes_part } else { 0.0 };

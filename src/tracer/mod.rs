@@ -77,14 +77,12 @@ pub use crate::error::{Error, printable, printable_path};
 pub use crate::files::{check_output, hold_writes, write_atomically};
 pub use image::{
     Camera, Differences, Light, OCCLUSION_RAYS, Picture, Shade, Shot, View, ViewError, block_order, compare,
-    parse_point, picture_hits, shade,
+    mark_colors, parse_point, picture_hits, shade,
 };
 #[cfg(feature = "study")]
 pub(crate) use image::{OCCLUSION_REACH, hemisphere_rays, shadow_rays, surfaces};
 pub use load::{BuiltIn, LoadedScene, SceneSource, load_mesh, load_scene, write_scene};
 pub use memory::check_memory;
-#[cfg(feature = "study")]
-pub(crate) use meshes::has_zero_area;
 pub use meshes::{Mesh, MeshError, MeshReport, Part, load_obj, load_ply, load_stl};
 #[cfg(feature = "study")]
 pub(crate) use meshes::{has_zero_area, two_sum};

@@ -1,5 +1,6 @@
 //! Runs the program: what it prints and writes, that an error is one line and exit code 2, and what an interrupt does.
 
+mod advise;
 mod errors;
 #[cfg(target_os = "linux")]
 mod interrupted;

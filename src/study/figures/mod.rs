@@ -2,6 +2,7 @@
 //! files also derive rows of the record from other rows: `summary` and `claims`.
 
 mod binomial;
+pub(crate) mod choice;
 pub mod claims;
 pub(crate) mod failures;
 mod format;

@@ -18,7 +18,7 @@ use crate::study::workload::{direction, rng};
 use crate::tracer::{Camera, Error, LoadedScene, Mode, Scene, SceneSource, thread_pool, traversal_stats};
 
 /// The jitters that are measured: 0 gives the rays of the picture, 1 gives random rays.
-pub const JITTERS: [f64; 7] = [0.0, 0.001, 0.01, 0.03, 0.1, 0.3, 1.0];
+pub const JITTERS: [f64; 9] = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0];
 
 /// An open scene of small triangles, which random rays often leave, and a closed scene of large triangles.
 const SCENES: [&str; 2] = ["terrain:1e5", "room"];
@@ -31,7 +31,7 @@ const QUICK_SCENES: [&str; 2] = ["terrain:1e3", "room:small"];
 /// If two modes disagree about a hit.
 pub(crate) fn measure(quick: bool, seed: u64, progress: &Progress) -> Result<Vec<CoherenceRow>, Error> {
     let scenes = if quick { QUICK_SCENES } else { SCENES };
-    // The jitters confirm each other, and more samples would take the study beyond three minutes.
+    // Nine jitters confirm each other, and more samples would take the study beyond three minutes.
     let samples = 3;
     let size = picture_size(quick);
     let pool = thread_pool(1)?;

@@ -9,7 +9,7 @@ const MEASURED: [&str; 4] = ["glam", "wide", "rayon", "dashu-int"];
 pub(crate) const PEERS: [&str; 3] = ["bvh", "obvhs", "parry3d"];
 
 /// Describes this machine and this build.
-pub(crate) fn describe() -> Machine {
+pub fn describe() -> Machine {
     let mut target_features: Vec<_> =
         env!("RAYLANES_TARGET_FEATURES").split(',').filter(|name| !name.is_empty()).map(String::from).collect();
     target_features.sort();

@@ -14,7 +14,7 @@ pub mod ray_sets;
 pub(crate) mod rounds;
 pub(crate) mod scaling;
 pub(crate) mod scene_speed;
-mod scene_truth;
+pub(crate) mod scene_truth;
 pub mod speed;
 pub(crate) mod stats;
 pub(crate) mod survey;

@@ -10,20 +10,86 @@ use rayon::prelude::*;
 use super::built_scene::{BuiltScene, TracerKernel};
 use super::ray_sets::{EDGES, RaySet};
 use super::scene_truth::{Answer, Judgement, SceneTruth};
+use super::tally::quantile;
 use crate::geom::{Hit, Quadric, Ray, Triangle};
 use crate::kernels::Kernel;
+use crate::kernels::quadric::Mixed;
 use crate::registry::{self, Visitor};
 use crate::study::progress::Progress;
 use crate::study::record::OnSceneRow;
 use crate::study::workload;
 use crate::tracer::{Error, Mode, Scene, SceneSource, checksum, trace, trace_set_into};
 
+/// The greatest displacement of a right hit that does not count: see [`OnSceneRow::displaced`].
+pub(crate) const MOST_DISPLACED: f64 = 1e-3;
+
+/// A set of rays, and the exact answer for each.
+pub(crate) struct Answered {
+    pub(crate) set: RaySet,
+    answers: Vec<Answer>,
+}
+
+impl Answered {
+    pub(crate) fn new(truth: &SceneTruth, set: RaySet) -> Self {
+        let answers = set.rays.par_iter().map(|ray| truth.answer(ray, set.any_hit)).collect();
+        Self { set, answers }
+    }
+
+    /// Whether a ray hits anything.
+    pub(crate) fn hits(&self) -> bool {
+        self.answers.iter().any(|answer| answer.solid)
+    }
+
+    /// Judges a kernel: compares its answers for these rays with the exact ones. `most_displaced` is the greatest
+    /// displacement of a right hit that does not count.
+    pub(crate) fn judge<K: Kernel<Shape = Triangle>>(
+        &self,
+        truth: &SceneTruth,
+        [scene_name, kernel]: [&str; 2],
+        scene: &Scene<K>,
+        most_displaced: f64,
+    ) -> OnSceneRow {
+        let Self { set, answers } = self;
+        let mut hits = vec![Hit::MISS; set.rays.len()];
+        trace_set_into(scene, &set.rays, set.any_hit, Mode::Auto, &mut hits);
+        let judged = set.rays.par_iter().zip(answers).zip(&hits).map(|((ray, answer), hit)| {
+            if set.any_hit {
+                (SceneTruth::judge_any(answer, hit.mask), None)
+            } else {
+                (truth.judge(answer, ray, hit), truth.displacement(answer, ray, hit))
+            }
+        });
+        let (judged, displacements): (Vec<Judgement>, Vec<_>) = judged.unzip();
+        let mut displacements: Vec<f64> = displacements.into_iter().flatten().collect();
+        let displaced = displacements.iter().filter(|&&displacement| displacement > most_displaced).count() as u64;
+        let last = quantile(0.99, displacements.len());
+        let has_hits = !displacements.is_empty();
+        let displacement_p99 =
+            if has_hits { *displacements.select_nth_unstable_by(last, f64::total_cmp).1 } else { 0.0 };
+        let count = |judgement| judged.iter().filter(|&&other| other == judgement).count() as u64;
+        OnSceneRow {
+            scene: scene_name.into(),
+            rays: set.name.into(),
+            kernel: kernel.into(),
+            ray_count: set.rays.len() as u64,
+            solid: answers.iter().filter(|answer| answer.solid).count() as u64,
+            open: answers.iter().filter(|answer| answer.is_open()).count() as u64,
+            lost: count(Judgement::Lost),
+            false_hits: count(Judgement::False),
+            neighbours: count(Judgement::Neighbour),
+            displaced,
+            displacement_p99,
+            checksum: format!("{:016x}", checksum(&hits)),
+        }
+    }
+}
+
 /// A scene, its rays, and the exact answers.
 struct Asked<'a> {
     built: &'a BuiltScene,
     truth: &'a SceneTruth<'a>,
     /// The sets of a picture, and the rays aimed at edges.
-    sets: Vec<(&'a RaySet, Vec<Answer>)>,
+    sets: Vec<Answered>,
     rows: Vec<OnSceneRow>,
 }
 
@@ -39,10 +105,10 @@ pub(crate) fn judge(
     progress.note(&format!("{}: exact answers", source.name()));
     let built = BuiltScene::new(source, (size, seed))?;
     let truth = SceneTruth::new(built.scene.world());
-    let edges = edge_rays(&built, &truth, seed);
-    let answers = |set: &RaySet| set.rays.par_iter().map(|ray| truth.answer(ray, set.any_hit)).collect();
-    let sets = built.sets.iter().chain([&edges]).filter(|set| !set.rays.is_empty()).map(|set| (set, answers(set)));
-    let mut asked = Asked { built: &built, truth: &truth, sets: sets.collect(), rows: Vec::new() };
+    let edges = edge_rays(&built.scene, &built.sets[0].rays, &truth, seed);
+    let sets = built.sets.iter().cloned().chain([edges]).filter(|set| !set.rays.is_empty());
+    let sets = sets.map(|set| Answered::new(&truth, set)).collect();
+    let mut asked = Asked { built: &built, truth: &truth, sets, rows: Vec::new() };
     progress.reach(0.5);
     progress.note(&format!("{}: kernels", built.name));
     for_each_kernel(&built.scene, &mut asked);
@@ -50,17 +116,16 @@ pub(crate) fn judge(
     Ok(asked.rows)
 }
 
-/// Rays from the eye at random points on edges of the triangles that the primary rays hit, one for each of these rays.
-fn edge_rays(built: &BuiltScene, truth: &SceneTruth, seed: u64) -> RaySet {
-    let primary = &built.sets[0].rays;
-    let hits = trace(&built.scene, primary, Mode::Auto);
+/// Rays from the origins of these rays at random points on edges of the triangles that they hit, one for each hit.
+pub(crate) fn edge_rays(scene: &Scene<TracerKernel>, rays: &[Ray<f32>], truth: &SceneTruth, seed: u64) -> RaySet {
+    let hits = trace(scene, rays, Mode::Auto);
     let at_edge = |(number, (ray, hit)): (u64, (&Ray<f32>, &Hit<f32>))| {
         let [v0, v1, v2] = truth.vertices(hit)?;
         let mut rng = workload::rng(seed, "scene", "edges", &[], number);
         let [from, to] = [[v0, v1], [v1, v2], [v2, v0]][rng.random_range(0..3)];
         Some(Ray::new(ray.origin, from.lerp(to, rng.random()) - ray.origin))
     };
-    let rays = (0..).zip(primary.iter().zip(&hits)).filter_map(at_edge).collect();
+    let rays = (0..).zip(rays.iter().zip(&hits)).filter_map(at_edge).collect();
     RaySet { name: EDGES, any_hit: false, rays }
 }
 
@@ -90,40 +155,21 @@ struct Prepared<'a, A> {
 
 impl<A: ForKernels> Visitor<Triangle> for Prepared<'_, A> {
     fn visit<K: Kernel<Shape = Triangle>>(&mut self) {
-        self.action.scene(&K::INFO.id.to_string(), self.scene.prepared_for::<K>());
+        self.action.scene(&K::INFO.id.to_string(), self.scene.prepared_for::<K, Mixed<f32>>());
     }
 }
 
 impl<A: ForKernels> Visitor<Quadric> for Prepared<'_, A> {
     fn visit<K: Kernel<Shape = Quadric>>(&mut self) {
-        let scene = Scene::<TracerKernel>::with_quadrics::<K>(self.scene.world().clone());
-        self.action.scene(&K::INFO.id.to_string(), scene);
+        self.action.scene(&K::INFO.id.to_string(), self.scene.prepared_for::<TracerKernel, K>());
     }
 }
 
 impl ForKernels for Asked<'_> {
     fn scene<K: Kernel<Shape = Triangle>>(&mut self, id: &str, scene: Scene<K>) {
-        for (set, answers) in &self.sets {
-            let mut hits = vec![Hit::MISS; set.rays.len()];
-            trace_set_into(&scene, &set.rays, set.any_hit, Mode::Auto, &mut hits);
-            let judged = set.rays.par_iter().zip(answers).zip(&hits).map(|((ray, answer), hit)| {
-                if set.any_hit { SceneTruth::judge_any(answer, hit.mask) } else { self.truth.judge(answer, ray, hit) }
-            });
-            let judged: Vec<Judgement> = judged.collect();
-            let count = |judgement| judged.iter().filter(|&&other| other == judgement).count() as u64;
-            self.rows.push(OnSceneRow {
-                scene: self.built.name.clone(),
-                rays: set.name.into(),
-                kernel: id.into(),
-                ray_count: set.rays.len() as u64,
-                solid: answers.iter().filter(|answer| answer.solid).count() as u64,
-                open: answers.iter().filter(|answer| answer.is_open()).count() as u64,
-                lost: count(Judgement::Lost),
-                false_hits: count(Judgement::False),
-                neighbours: count(Judgement::Neighbour),
-                checksum: format!("{:016x}", checksum(&hits)),
-            });
-        }
+        let names = [self.built.name.as_str(), id];
+        let rows = self.sets.iter().map(|set| set.judge(self.truth, names, &scene, MOST_DISPLACED));
+        self.rows.extend(rows);
     }
 }
 
@@ -182,7 +228,7 @@ mod tests {
         let hits = trace(&built.scene, &built.sets[0].rays, Mode::Auto);
         let seen = hits.iter().filter_map(|hit| truth.vertices(hit));
         let mut aimed = [0; 3];
-        for (vertices, ray) in seen.zip(&edge_rays(&built, &truth, 1).rays) {
+        for (vertices, ray) in seen.zip(&edge_rays(&built.scene, &built.sets[0].rays, &truth, 1).rays) {
             let distance = |edge: usize| {
                 let (from, along) = (vertices[edge], (vertices[(edge + 1) % 3] - vertices[edge]).normalize());
                 (ray.origin + ray.dir - from).cross(along).length()

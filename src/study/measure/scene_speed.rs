@@ -12,7 +12,7 @@ use super::rounds::{TimedJob, Times, of_job};
 use super::stats::typical;
 use crate::geom::{Hit, Triangle};
 use crate::kernels::Kernel;
-use crate::study::record::{OnSceneRow, SceneSpeedRow};
+use crate::study::record::{OnSceneRow, Samples, SceneSpeedRow};
 use crate::tracer::{Error, Mode, Scene, SceneSource, checksum, thread_pool, trace_set_into};
 
 /// Scenes that are ready to be timed.
@@ -112,26 +112,31 @@ pub(crate) fn rows_of_other_build(judged: &[OnSceneRow], all: &[Times]) -> Resul
 fn rows_of<'a>(judged: impl Iterator<Item = &'a OnSceneRow>, all: &[Times]) -> Result<Vec<SceneSpeedRow>, Error> {
     let row = |OnSceneRow { scene, rays, kernel, .. }: &OnSceneRow| {
         let times = of_job(all, &name(scene, rays, kernel))?;
-        let ns = typical(&times.ns).ok_or_else(|| Error::Disagreement(format!("{}: it has no samples", times.name)))?;
-        Ok(SceneSpeedRow {
-            scene: scene.clone(),
-            rays: rays.clone(),
-            kernel: kernel.clone(),
-            ns_per_ray: ns.value,
-            ns_per_ray_low: ns.low,
-            ns_per_ray_high: ns.high,
-            mrays_per_second: 1e3 / ns.value,
-            ns_of_rounds: times.ns.clone(),
-            checksum: format!("{:016x}", times.checksum),
-        })
+        let row = row_of([scene, rays, kernel], times.ns.clone(), times.checksum);
+        row.ok_or_else(|| Error::Disagreement(format!("{}: it has no samples", times.name)))
     };
     judged.filter(|row| row.rays != EDGES).map(row).collect()
+}
+
+/// The row of one kernel on one set of rays; `None` without samples.
+pub(crate) fn row_of([scene, rays, kernel]: [&str; 3], samples: Samples, checksum: u64) -> Option<SceneSpeedRow> {
+    let ns = typical(&samples)?;
+    Some(SceneSpeedRow {
+        scene: scene.into(),
+        rays: rays.into(),
+        kernel: kernel.into(),
+        ns_per_ray: ns.value,
+        ns_per_ray_low: ns.low,
+        ns_per_ray_high: ns.high,
+        mrays_per_second: 1e3 / ns.value,
+        ns_of_rounds: samples,
+        checksum: format!("{checksum:016x}"),
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::record::Samples;
 
     #[test]
     fn every_judged_set_but_that_at_edges_gets_its_times() {
@@ -145,6 +150,8 @@ mod tests {
             lost: 0,
             false_hits: 0,
             neighbours: 0,
+            displaced: 0,
+            displacement_p99: 0.0,
             checksum: String::new(),
         };
         let ns = Samples::new(&[vec![40.0, 45.0, 50.0, 55.0, 60.0]]);

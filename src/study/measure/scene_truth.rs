@@ -12,7 +12,7 @@ use glam::{Affine3, DAffine3, DVec3, Vec3};
 
 use crate::geom::{Aabb, Hit, Placed, Ray, Triangle};
 use crate::oracle::{Exact, Truth};
-use crate::tracer::{Disc, Face, Geometry, World};
+use crate::tracer::{Disc, Face, Geometry, Placement, World};
 
 /// A primitive of an instance: both numbers as in [`Hit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +24,8 @@ struct Place {
 /// The exact answer for one ray.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Answer {
-    /// What may be reported as the closest hit.
-    accepted: Vec<Place>,
+    /// What may be reported as the closest hit, and the exact `t` of each, rounded.
+    accepted: Vec<(Place, f32)>,
     /// Whether the ray ends at a solid hit, so that a miss is wrong.
     pub(crate) solid: bool,
 }
@@ -60,6 +60,8 @@ pub(crate) struct SceneTruth<'a> {
     to_object: Vec<DAffine3>,
     /// The instances' boxes in the world.
     instances: Tree,
+    /// For each instance, the diagonal of its box.
+    sizes: Vec<f64>,
 }
 
 /// One exact hit.
@@ -80,16 +82,19 @@ impl<'a> SceneTruth<'a> {
             count += geometry.primitives() as u32;
             trees.push(Tree::new((0..geometry.primitives() as u32).map(|number| primitive_box(geometry, number))));
         }
-        let instances = Tree::new(world.instances().iter().map(|placement| {
+        let world_box = |placement: &Placement| {
             let bounds = trees[placement.geometry as usize].bounds();
             let transform = in_f64(&placement.object_to_world);
             let corner = |which: usize| DVec3::from_array(std::array::from_fn(|axis| bounds[which >> axis & 1][axis]));
             let corners = (0..8).map(|which| transform.transform_point3(corner(which)));
             corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], corner| [lo.min(corner), hi.max(corner)])
-        }));
+        };
+        let boxes: Vec<_> = world.instances().iter().map(world_box).collect();
+        let sizes = boxes.iter().map(|[lo, hi]| lo.distance(*hi)).collect();
+        let instances = Tree::new(boxes.into_iter());
         let to_object =
             world.instances().iter().map(|placement| in_f64(&placement.object_to_world).inverse()).collect();
-        Self { world, first_primitive, trees, to_object, instances }
+        Self { world, first_primitive, trees, to_object, instances, sizes }
     }
 
     /// The exact answer for a ray. With `any_hit`, only [`Answer::solid`] and whether anything is accepted count.
@@ -121,7 +126,7 @@ impl<'a> SceneTruth<'a> {
         found.sort_by(|a, b| a.truth.t.total_cmp(&b.truth.t));
         let mut answer = Answer::default();
         for same_t in found.chunk_by(|a, b| a.truth.t == b.truth.t) {
-            answer.accepted.extend(same_t.iter().map(|found| found.place));
+            answer.accepted.extend(same_t.iter().map(|found| (found.place, found.truth.t)));
             answer.solid = same_t.iter().any(|found| !found.truth.boundary) || is_crossed(same_t);
             if answer.solid {
                 break;
@@ -136,15 +141,28 @@ impl<'a> SceneTruth<'a> {
             return if answer.solid { Judgement::Lost } else { Judgement::Right };
         }
         let place = Place { instance: hit.instance, primitive: hit.primitive };
-        if answer.accepted.contains(&place) {
+        if answer.accepted.iter().any(|&(right, _)| right == place) {
             Judgement::Right
         } else if self.truth(place, ray).hit {
             Judgement::Lost
-        } else if answer.accepted.iter().any(|&right| self.touch(right, place)) {
+        } else if answer.accepted.iter().any(|&(right, _)| self.touch(right, place)) {
             Judgement::Neighbour
         } else {
             Judgement::False
         }
+    }
+
+    /// How far along the ray a reported hit is from the exact one, relative to its distance from the ray's origin, or
+    /// to the diagonal of the instance's box in the world where that is less. `None` unless the hit is
+    /// [`Judgement::Right`].
+    pub(crate) fn displacement(&self, answer: &Answer, ray: &Ray<f32>, hit: &Hit<f32>) -> Option<f64> {
+        let place = Place { instance: hit.instance, primitive: hit.primitive };
+        let (_, t) = answer.accepted.iter().find(|(right, _)| hit.mask && *right == place)?;
+        let [exact, reported] = [*t, hit.t].map(f64::from);
+        let length = ray.dir.as_dvec3().length();
+        // A hit at the origin of its ray has no distance.
+        let scale = (exact.abs() * length).min(self.sizes[hit.instance as usize]).max(f64::MIN_POSITIVE);
+        Some((reported - exact).abs() * length / scale)
     }
 
     /// Compares a report of any hit with the exact answer.
@@ -416,6 +434,24 @@ mod tests {
     }
 
     #[test]
+    fn displacements_are_relative_to_the_distance_or_to_the_object() {
+        let world = square();
+        let truth = SceneTruth::new(&world);
+        let displacement = |origin_z: f32, dir_z: f32, primitive, error: f32| {
+            let ray = Ray::new(Vec3::new(3.0, 1.0, origin_z), Vec3::Z * dir_z);
+            let answer = truth.answer(&ray, false);
+            truth.displacement(&answer, &ray, &Hit { t: origin_z / -dir_z + error, ..hit(primitive) })
+        };
+        assert_eq!(displacement(2.0, -1.0, 0, 0.5), Some(0.25));
+        assert_eq!(displacement(2.0, -4.0, 0, 0.125), Some(0.25), "t is in units of the direction");
+        let diagonal = (28.0f64 * 28.0 * 2.0 + 1.0).sqrt();
+        assert_eq!(displacement(4096.0, -1.0, 0, -2.0), Some(2.0 / diagonal), "the object is smaller");
+        assert_eq!(displacement(2.0, -1.0, 1, 0.5), None, "another triangle");
+        let ray = down(18.0, 18.0);
+        assert_eq!(truth.displacement(&truth.answer(&ray, false), &ray, &Hit::MISS), None);
+    }
+
+    #[test]
     fn an_edge_is_solid_unless_its_triangles_face_different_ways() {
         // A ridge along x. A ray along y touches it; a ray along z crosses it. Seen from above, both triangles wind the
         // same way.
@@ -512,7 +548,8 @@ mod tests {
             let least = all.iter().map(|(t, _)| *t).fold(f32::INFINITY, f32::min);
             let nearest: Vec<_> = all.iter().filter(|(t, _)| *t == least).map(|(_, place)| *place).collect();
             let answer = truth.answer(&ray, false);
-            assert_eq!((answer.accepted, answer.solid), (nearest, !all.is_empty()), "{ray:?}");
+            let accepted: Vec<_> = answer.accepted.iter().map(|&(place, _)| place).collect();
+            assert_eq!((accepted, answer.solid), (nearest, !all.is_empty()), "{ray:?}");
             assert_eq!(truth.answer(&ray, true).solid, !all.is_empty(), "{ray:?}");
             hits += usize::from(!all.is_empty());
         }

@@ -29,7 +29,7 @@ impl Survey {
     /// Measures the kernels of one shape on all workloads, regimes and failure maps of the shape.
     pub(crate) fn measure<S: Subject>(&mut self, kernels: &Kernels<S>, progress: &Progress) {
         let [workload_rays, step_rays, cell_rays] =
-            if self.quick { [2_000, 1_024, 64] } else { [160_000, 80_000, 512] };
+            if self.quick { [2_000, 1_024, 64] } else { [160_000, 64_000, 512] };
         // A sample has one shape, or more than a hundred.
         let shapes = |sample: &dyn Fn(&mut Pcg64) -> Sample<S>| {
             sample(&mut workload::rng(self.seed, S::FAMILY, "", &[], 0)).shapes.len() as u64

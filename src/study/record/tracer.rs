@@ -67,8 +67,23 @@ pub struct OnSceneRow {
     /// Rays that are reported to hit a triangle which they exactly miss, but which has a vertex in common with the
     /// right one. The place is right up to rounding. Not counted in `false_hits`.
     pub neighbours: u64,
+    /// Rays whose hit is right, but displaced by more than a thousandth of its distance from the ray's origin, or of
+    /// the diagonal of the instance's box in the world where that is less.
+    #[serde(default)]
+    pub displaced: u64,
+    /// This displacement along the ray, relative to the same length: 99 % of the right hits have at most this. Zero in
+    /// sets of any hit.
+    #[serde(default)]
+    pub displacement_p99: f64,
     /// Hash of the bits of every hit.
     pub checksum: String,
+}
+
+impl OnSceneRow {
+    /// Rays whose answer is wrong: lost, false, or displaced.
+    pub(crate) fn wrong(&self) -> u64 {
+        self.lost + self.false_hits + self.displaced
+    }
 }
 
 /// Throughput of the tracer with one kernel on the rays of a picture. Mode auto, one thread.

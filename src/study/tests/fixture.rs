@@ -120,6 +120,8 @@ fn add_scenes(record: &mut Record, ids: &[String]) {
                 lost: if rays == "edges" { [0, 5000, 1][i % 3] } else { 0 },
                 false_hits: [0, 40][i % 2],
                 neighbours: 7,
+                displaced: [0, 3][i % 2],
+                displacement_p99: 1e-7 * (i + 1) as f64,
                 checksum: format!("{i:016x}"),
             });
             if rays == "edges" {

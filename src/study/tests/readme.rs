@@ -1,4 +1,4 @@
-//! Tests the README's block about a dated record: its verdict.
+//! Tests the README's blocks from dated records: the verdict of a study, and an answer of `advise`.
 
 use std::fs;
 use std::path::Path;
@@ -43,26 +43,34 @@ fn wrapped(text: &str, indent: &str) -> String {
     lines.join("\n")
 }
 
+/// Makes a block of the README anew from the file or folder that its first line names. Such a block begins with
+/// `<!-- KIND of FILE -->` and ends with `<!-- end of KIND -->`.
+fn renewed(readme: &str, kind: &str, make: impl Fn(&str) -> String) -> String {
+    let (before, rest) = readme.split_once(&format!("<!-- {kind} of ")).unwrap_or_else(|| panic!("no block {kind}"));
+    let (file, rest) = rest.split_once(" -->\n").unwrap();
+    let (_, after) = rest.split_once(&format!("<!-- end of {kind} -->")).unwrap();
+    format!("{before}<!-- {kind} of {file} -->\n\n{}\n<!-- end of {kind} -->{after}", make(file))
+}
+
 /// To update the README, run `RAYLANES_BLESS=1 cargo test --lib readme`.
 #[test]
-fn the_readme_matches_its_record() {
+fn the_readme_matches_its_records() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let readme = fs::read_to_string(root.join("README.md")).unwrap();
-    let (before, rest) =
-        readme.split_once("<!-- verdict of ").expect("the README has a block `<!-- verdict of ... -->`");
-    let (folder, rest) = rest.split_once(" -->\n").unwrap();
-    let (said, after) = rest.split_once("<!-- end of verdict -->").unwrap();
-    assert!(
-        before.contains(&format!("]({folder}/{SPEED_ACCURACY})")),
-        "the README's chart must be that of the same record"
-    );
-    let json = fs::read_to_string(root.join(folder).join("results.json")).unwrap();
-    let record: Record = serde_json::from_str(&json).expect("the README's record has the current layout");
-    let expected = format!("\n{}\n", readme_block(&record, folder));
+    let read = |file: &str| fs::read_to_string(root.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let readme = read("README.md");
+    let expected = renewed(&readme, "verdict", |folder| {
+        assert!(
+            readme.contains(&format!("]({folder}/{SPEED_ACCURACY})")),
+            "the README's chart must be that of the same record"
+        );
+        let record: Record = serde_json::from_str(&read(&format!("{folder}/results.json")))
+            .expect("the README's record has the current layout");
+        readme_block(&record, folder)
+    });
+    let expected = renewed(&expected, "answer", |file| format!("```text\n{}```\n", read(file)));
     if std::env::var_os("RAYLANES_BLESS").is_some() {
-        let blessed = format!("{before}<!-- verdict of {folder} -->\n{expected}<!-- end of verdict -->{after}");
-        fs::write(root.join("README.md"), blessed).unwrap();
+        fs::write(root.join("README.md"), expected).unwrap();
     } else {
-        assert_eq!(said, expected, "to accept the change, run RAYLANES_BLESS=1 cargo test --lib readme");
+        assert!(readme == expected, "to accept the change, run RAYLANES_BLESS=1 cargo test --lib readme");
     }
 }

@@ -58,6 +58,17 @@ pub fn compare(shot: &Shot, picture: &Picture, first: &[Hit<f32>], second: &[Hit
     (marked, differences)
 }
 
+/// Marks in magenta the pixels whose colours in two pictures differ by more than a hundredth, unless [`compare`] has
+/// marked them: most of them are in the shadow in one picture only. Returns their number. All pictures have one size.
+pub fn mark_colors(marked: &mut Picture, first: &Picture, second: &Picture) -> usize {
+    const MAGENTA: Vec3 = Vec3::new(1.0, 0.0, 1.0);
+    let is_grey = |pixel: &Vec3| pixel.x == pixel.y && pixel.y == pixel.z;
+    let colors = first.pixels.iter().zip(&second.pixels);
+    let differ = |(a, b): (&Vec3, &Vec3)| (a - b).abs().max_element() > 0.01;
+    let pixels = marked.pixels.iter_mut().zip(colors).filter(|(pixel, colors)| is_grey(pixel) && differ(*colors));
+    pixels.map(|(pixel, _)| *pixel = MAGENTA).count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +91,13 @@ mod tests {
         let (marked, differences) = compare(&shot, &white, &first, &second);
         assert_eq!(differences, Differences { only_first: 1, only_second: 1, other_primitive: 1, other_t: 1 });
         assert_eq!(differences.marked(), 3);
+        let mut colors = [white.clone(), white.clone()];
+        colors[1].pixels[0] = Vec3::new(1.0, 0.98, 1.0); // a pixel that is not marked
+        colors[1].pixels[1] = Vec3::ZERO; // one that is
+        colors[1].pixels[5] = Vec3::splat(0.995); // hardly another colour
+        let mut shadows = marked.clone();
+        assert_eq!(mark_colors(&mut shadows, &colors[0], &colors[1]), 1);
+        assert_eq!(shadows.pixels[..2], [Vec3::new(1.0, 0.0, 1.0), Vec3::X]);
         let grey = marked.pixels.iter().filter(|pixel| **pixel == Vec3::splat(0.25)).count();
         assert_eq!((grey, marked.pixels[1]), (3, Vec3::X));
     }

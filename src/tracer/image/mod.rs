@@ -11,7 +11,7 @@ mod view;
 
 pub use camera::{Camera, block_order};
 pub use check::ViewError;
-pub use compare::{Differences, compare};
+pub use compare::{Differences, compare, mark_colors};
 pub use picture::Picture;
 #[cfg(feature = "study")]
 pub(crate) use secondary::{hemisphere_rays, shadow_rays, surfaces};

@@ -62,13 +62,13 @@ impl<K: Kernel<Shape = Triangle>> Scene<K> {
         Self::build(world, &mut MeshTree::new, prepared::<Q>)
     }
 
-    /// The same world and the same trees for the kernel `L`, as [`Scene::new`] would make them. Building is the slow
-    /// part, and it does not depend on the kernel.
+    /// The same world and the same trees for the kernels `L` and `Q`, as [`Scene::with_quadrics`] would make them.
+    /// Building is the slow part, and it does not depend on the kernels.
     #[cfg(feature = "study")]
-    pub(crate) fn prepared_for<L: Kernel<Shape = Triangle>>(&self) -> Scene<L> {
+    pub(crate) fn prepared_for<L: Kernel<Shape = Triangle>, Q: Kernel<Shape = Quadric>>(&self) -> Scene<L> {
         let mut trees = self.trees.iter();
         let mut next = |mesh: &Mesh| trees.next().expect("one tree for each mesh").prepared_for(mesh);
-        Scene::build(self.world.clone(), &mut next, prepared::<Mixed<f32>>)
+        Scene::build(self.world.clone(), &mut next, prepared::<Q>)
     }
 
     /// `tree` makes the tree of each mesh, in order. Not generic over the kernel of quadrics, so the code for triangles

@@ -183,7 +183,10 @@ mod tests {
         let mut instances: Vec<_> = (0..).zip(paints).map(placement).collect();
         let world = World::new(geometries.clone(), instances.clone()).unwrap();
         let simpler = find(&world).unwrap();
-        assert_eq!((simpler.world.geometries().len(), simpler.world.triangles()), (1, world.triangles()));
+        let [Geometry::Mesh(joined)] = simpler.world.geometries() else { panic!("{}", simpler.about) };
+        assert_eq!(joined.len(), world.triangles());
+        let colors = [0, 1, 2].map(|number| joined.color(number * sphere.len() as u32));
+        assert_eq!(colors, [sphere.color(0), RED, BLUE]);
         assert_same_picture(&world, &simpler);
 
         instances[1].mask = 2;

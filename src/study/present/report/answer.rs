@@ -2,6 +2,7 @@
 //! choose. Everything else is in the appendix.
 
 use super::cells::code;
+use super::renderer;
 use crate::study::figures::failures::{Metric, Verdict, verdict_by};
 use crate::study::figures::on_scenes::Answers;
 use crate::study::figures::{Failures, Group, KernelFigures, MISSING, Rate, count, number, optional};
@@ -95,8 +96,9 @@ fn fails_in(record: &Record, group: &Group, kernel: &KernelFigures) -> String {
 }
 
 /// Which kernel fits which need, among those with the fewest wrong answers.
-pub(super) fn how_to_choose(groups: &[&Group]) -> Option<String> {
-    let lines: Vec<String> = groups.iter().flat_map(|group| needs(group)).collect();
+pub(super) fn how_to_choose(record: &Record, groups: &[&Group]) -> Option<String> {
+    let lines: Vec<String> =
+        groups.iter().flat_map(|group| needs(group).into_iter().chain(renderer::line(record, group))).collect();
     (!lines.is_empty()).then(|| format!("## How to choose\n\n{}", lines.join("\n")))
 }
 

@@ -2,6 +2,7 @@
 //! written as pages too. Every figure comes from the record.
 
 mod accuracy;
+mod advice;
 mod answer;
 mod cells;
 mod failures;
@@ -34,9 +35,9 @@ pub(crate) fn answer_markdown(record: &Record, appendix: &str) -> String {
         parts.push(format!("![The same scenes with every kernel: speed, lost rays, false hits]({ON_SCENES})"));
     }
     parts.push(format!("![Single tests: speed, lost rays, false or double hits]({SPEED_ACCURACY})"));
+    parts.extend(advice::section(record));
     parts.extend([answer::what_fails(record, &base)]);
-    parts.extend(renderer::section(record, &base));
-    parts.extend(answer::how_to_choose(&base));
+    parts.extend(answer::how_to_choose(record, &base));
     parts.extend(verdict::noise(record, &groups).map(|noise| format!("## How sure this is\n\n{noise}")));
     let sections = appendix.lines().filter_map(|line| line.strip_prefix("## "));
     let links = sections.map(|heading| format!("- [{heading}](appendix.md#{})", html::anchor(heading)));
@@ -53,6 +54,7 @@ pub(crate) fn appendix_markdown(record: &Record) -> String {
     let base: Vec<_> = groups.iter().filter(|group| group.is_base()).collect();
     parts.push(format!("## The figures of the first page\n\n{}", answer::figures(record, &base)));
     parts.extend(on_scenes::section(record));
+    parts.extend(renderer::section(record, &base));
     parts.extend([kernels::KERNELS.to_owned(), kernels::kernel_table(&groups), kernels::loop_and_cache(record)]);
     parts.extend(other_build::section(record, &groups));
     parts.extend(packets::section(record, &groups));
@@ -127,7 +129,7 @@ mod tests {
                 groups.iter().filter(|group| group.kernels.iter().any(|shown| shown.method.id == kernel.id));
             let group = with_kernel.next().expect("every kernel has a group");
             // Tables of kernels, packets, claims and checksums, three tables for each of two workloads, for each regime
-            // one for each metric and one of hits, and for kernels of a shape the figures of the first page.
+            // one for each metric and one of hits.
             let regimes = record.regimes.iter().filter(|regime| regime.family == group.title);
             let tables = 10 + regimes.map(|regime| Metric::of(regime).len() + 1).sum::<usize>();
             let scenes = record.on_scenes.iter().filter(|row| row.kernel == kernel.id && row.rays == "primary").count();
@@ -135,10 +137,10 @@ mod tests {
                 let row = |line: &&str| line.starts_with(&format!("| `{}` |", kernel.id));
                 text.lines().filter(row).count() + text.matches(&format!("\n| **`{}`** |", kernel.id)).count()
             };
-            assert_eq!(rows(&appendix), tables + scenes + usize::from(group.is_base()), "{}", kernel.id);
-            // What fails where; and, except for boxes, the points of a renderer.
-            let tables = if group.shape == "aabb" { 1 } else { 2 };
-            assert_eq!(rows(&answer), if group.is_base() { tables } else { 0 }, "{}", kernel.id);
+            // The figures of the first page; and, except for boxes, the points of a renderer.
+            let of_base = usize::from(group.is_base()) * if group.shape == "aabb" { 1 } else { 2 };
+            assert_eq!(rows(&appendix), tables + scenes + of_base, "{}", kernel.id);
+            assert_eq!(rows(&answer), usize::from(group.is_base()), "{}", kernel.id);
         }
         for chart in charts(&record) {
             assert!((answer.clone() + &appendix).contains(&format!("]({})", chart.file)), "{}", chart.file);
