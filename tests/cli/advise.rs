@@ -16,7 +16,9 @@ fn advice_is_one_screen_that_ends_with_what_to_use() {
     assert!(last.starts_with("Use: --kernel triangle/") && last.contains(" --mode "), "{text}");
     assert!(text.lines().count() < 50 && text.lines().all(|line| line.chars().count() <= 112), "{text}");
     for words in ["room:small: 1", "speed", "wrong", "A mode never changes a hit; another kernel may.", "confirms"] {
-        assert!(text.contains(words), "{words} is not in\n{text}");
+        // Long lines are broken.
+        let whole = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(whole.contains(words), "{words} is not in\n{text}");
     }
 }
 
@@ -79,7 +81,7 @@ fn the_rays_of_a_file_are_those_that_count() {
         assert!((1..=10_000).contains(&kernel["rays"].as_u64().unwrap()), "half of the rays: {kernel}");
         assert!((1..=10_000).contains(&advice["scored"]["rays"].as_u64().unwrap()), "the other half: {json}");
     }
-    let nowhere: Vec<_> = rays.iter().map(|ray| Ray { dir: Vec3::Y, ..*ray }).collect();
+    let nowhere: Vec<_> = rays.iter().map(|ray| Ray::new(ray.origin + Vec3::Y * 1e6, Vec3::Y)).collect();
     write_rays(&file, &nowhere[..9]).unwrap();
     fails(&["advise", "terrain:1000", "--rays", text(&file)], &["terrain:1000", "no ray hits anything"]);
     let mut broken = rays[..9].to_vec();
@@ -108,7 +110,7 @@ fn the_simpler_scene_is_written_and_can_be_traced() {
 fn wrong_questions_are_errors() {
     fails(&["advise"], &["required arguments", "<SCENE>"]);
     fails(&["advise", "rooom"], &["rooom", "not a scene"]);
-    fails(&["advise", "room", "--max-wrong", "-1"], &["--max-wrong", "expected 0 to 1000000"]);
+    fails(&["advise", "room", "--max-wrong=-1"], &["--max-wrong", "expected 0 to 1000000"]);
     fails(&["advise", "room", "--max-error", "0"], &["--max-error", "expected 1e-7 to 1"]);
     fails(&["advise", "room", "--budget", "nan"], &["--budget", "expected 0.1 to 3600 seconds"]);
     fails(&["advise", "room", "--any-hit"], &["--rays"]);
