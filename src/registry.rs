@@ -200,10 +200,8 @@ pub fn with_kernel<S: Registered, T: Task<S>>(id: &str, task: T) -> Option<T::Ou
     chosen.output
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
+/// The ID of a kernel that is named by its ID, or without its family. `None` if the shape has no such kernel.
+pub fn id_of<S: Registered>(name: &str) -> Option<&'static str> {
     struct IdOf;
     impl<S: Shape> Task<S> for IdOf {
         type Output = &'static str;
@@ -211,14 +209,20 @@ mod tests {
             K::INFO.id.method
         }
     }
+    with_kernel::<S, _>(name, IdOf)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
 
     #[test]
     fn kernels_are_found_by_id_and_by_name() {
-        assert_eq!(with_kernel::<Triangle, _>("triangle/cramer", IdOf), Some("triangle/cramer"));
-        assert_eq!(with_kernel::<Triangle, _>("moller_trumbore", IdOf), Some("triangle/moller_trumbore"));
-        assert_eq!(with_kernel::<Triangle, _>("aabb/padded", IdOf), None);
-        assert_eq!(with_kernel::<Triangle, _>("naive", IdOf), None);
-        assert_eq!(with_kernel::<Quadric, _>("naive", IdOf), Some("quadric/naive"));
-        assert_eq!(with_kernel::<Triangle, _>("", IdOf), None);
+        assert_eq!(id_of::<Triangle>("triangle/cramer"), Some("triangle/cramer"));
+        assert_eq!(id_of::<Triangle>("moller_trumbore"), Some("triangle/moller_trumbore"));
+        assert_eq!(id_of::<Triangle>("aabb/padded"), None);
+        assert_eq!(id_of::<Triangle>("naive"), None);
+        assert_eq!(id_of::<Quadric>("naive"), Some("quadric/naive"));
+        assert_eq!(id_of::<Triangle>(""), None);
     }
 }

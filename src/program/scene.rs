@@ -80,8 +80,8 @@ impl ChosenKernels {
     /// Replaces the triangle or the quadric kernel by the one with this ID. The ID may leave out the family;
     /// `families` lists the families to search.
     pub(super) fn with(self, id: &str, families: &[&str]) -> Result<Self, Error> {
-        let triangle = families.contains(&"triangle").then(|| registry::with_kernel::<Triangle, _>(id, IdOf)).flatten();
-        let quadric = families.contains(&"quadric").then(|| registry::with_kernel::<Quadric, _>(id, IdOf)).flatten();
+        let triangle = families.contains(&"triangle").then(|| registry::id_of::<Triangle>(id)).flatten();
+        let quadric = families.contains(&"quadric").then(|| registry::id_of::<Quadric>(id)).flatten();
         match (triangle, quadric) {
             (Some(triangle), _) => Ok(Self { triangle, ..self }),
             (None, Some(quadric)) => Ok(Self { quadric, ..self }),
@@ -111,15 +111,6 @@ impl ChosenKernels {
     /// Runs a task with the chosen triangle kernel.
     pub(super) fn run<T: Task<Triangle>>(self, task: T) -> T::Output {
         registry::with_kernel(self.triangle, task).expect("the kernel was found before")
-    }
-}
-
-struct IdOf;
-
-impl<S: Shape> Task<S> for IdOf {
-    type Output = &'static str;
-    fn run<K: Kernel<Shape = S>>(self) -> &'static str {
-        K::INFO.id.method
     }
 }
 

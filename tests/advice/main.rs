@@ -106,8 +106,8 @@ fn at_the_horizon_only_exact_kernels_keep_edges() {
 fn assert_edges_are_hard(variant: &str, advice: &Advice) {
     assert_standing(variant, advice, "triangle/exact", "meets");
     let [exact, fast] = ["triangle/exact", "triangle/kensler_shirley"].map(|id| kernel(advice, id));
-    assert_eq!(exact.edge_wrong, 0, "{variant}");
-    assert!(fast.edge_wrong > fast.edge_rays / 1000, "{variant}: {fast:?}");
+    assert_eq!(exact.score.edge_wrong, 0, "{variant}");
+    assert!(fast.score.edge_wrong > fast.score.edge_rays / 1000, "{variant}: {fast:?}");
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn asked_twenty_times_it_gives_the_same_answer_or_says_tie() {
     let answers: Vec<Advice> = (0..20).map(|_| ask(scenes::room(), &question)).collect();
     // Counts depend on the seed alone.
     let wrong = |advice: &Advice| {
-        let mut rows: Vec<_> = advice.shapes[0].kernels.iter().map(|row| (row.id.clone(), row.wrong)).collect();
+        let mut rows: Vec<_> = advice.shapes[0].kernels.iter().map(|row| (row.id.clone(), row.score.wrong)).collect();
         rows.sort();
         rows
     };

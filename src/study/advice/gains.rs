@@ -10,8 +10,7 @@ use super::models::{SimplerModel, combined, simpler_models};
 use super::race::{Clock, Pair, Prepared, Rounds, Runner, prepare};
 use super::rays::{Rays, moved};
 use crate::geom::{Hit, Ray};
-use crate::study::figures::Rate;
-use crate::study::figures::choice::{Need, Standing, TIE};
+use crate::study::figures::choice::{Need, Standing, TIE, WrongAnswers};
 use crate::study::measure::built_scene::TracerKernel;
 use crate::study::measure::on_scenes::Answered;
 use crate::study::measure::ray_sets::EDGES;
@@ -162,8 +161,8 @@ impl Asked<'_> {
             let answered = Answered::new(&truth, moved(&answered.set, moved_by));
             prepared.judge(&truth, &answered, [self.name, ""], self.most_displaced)
         });
-        let rates = rows.filter_map(|row| Rate::of_events(row.wrong(), row.ray_count));
-        Rate::sum(rates).is_some_and(|wrong| self.need.standing(wrong) == Standing::Meets)
+        let rows: Vec<_> = rows.collect();
+        WrongAnswers::of(rows.iter()).is_some_and(|answers| self.need.standing(answers.wrong) == Standing::Meets)
     }
 }
 

@@ -33,12 +33,12 @@ use self::modes::fastest_mode;
 pub use self::plan::Plan;
 use self::race::{Clock, Listed, Pair, Race, prepare};
 use self::rays::{Rays, Source};
+pub use self::traits::Trait;
 use crate::geom::{Quadric, Ray, Triangle};
 use crate::study::figures::Rate;
-use crate::study::figures::choice::{Candidate, Choice, Need, Standing};
+use crate::study::figures::choice::{Candidate, Choice, Need, Standing, WrongAnswers};
 use crate::study::measure::built_scene::TracerKernel;
 use crate::study::measure::on_scenes::{Answered, MOST_DISPLACED};
-use crate::study::measure::ray_sets::EDGES;
 use crate::study::measure::scene_truth::SceneTruth;
 use crate::study::measure::stats::Estimate;
 use crate::study::progress::Progress;
@@ -110,7 +110,7 @@ pub struct Advice {
     /// The modes.
     pub modes: Vec<ModeRow>,
     /// What makes kernels fail: properties of the scene and of its rays.
-    pub traits: Vec<TraitRow>,
+    pub traits: Vec<Trait>,
     /// Simpler models of the scene.
     pub models: Vec<ModelRow>,
     /// Those that are worth it, one after the other.
@@ -153,18 +153,9 @@ pub struct KernelRow {
     pub roles: Vec<&'static str>,
     /// Whether it is more right than every faster one.
     pub on_frontier: bool,
-    /// Rays of pictures or of the file.
-    pub rays: u64,
-    /// Wrong ones among them.
-    pub wrong: u64,
-    /// Wrong rays per million: 95 % interval.
-    pub wrong_per_million: [f64; 2],
-    /// Rays aimed at edges.
-    pub edge_rays: u64,
-    /// Wrong ones among them.
-    pub edge_wrong: u64,
-    /// 99 % of the right hits are displaced by at most this.
-    pub displacement_p99: f64,
+    /// How often it is wrong.
+    #[serde(flatten)]
+    pub score: Score,
     /// Nanoseconds per ray, mode auto, one thread.
     pub ns_per_ray: f64,
     /// How many times as fast as the tracer's own kernel it is.
@@ -175,7 +166,7 @@ pub struct KernelRow {
     pub gain_high: f64,
 }
 
-/// Wrong rays among rays that had no part in the choice.
+/// Wrong rays among some rays.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Score {
     /// Rays of pictures or of the file.
@@ -190,21 +181,6 @@ pub struct Score {
     pub edge_wrong: u64,
     /// 99 % of the right hits are displaced by at most this.
     pub displacement_p99: f64,
-}
-
-/// One measured property of the scene or of its rays.
-#[derive(Clone, Debug, Serialize)]
-pub struct TraitRow {
-    /// Its name.
-    pub name: &'static str,
-    /// The figure.
-    pub value: f64,
-    /// The figure in words, with the limit from which on kernels fail.
-    pub text: String,
-    /// Whether it is beyond the limit.
-    pub decides: bool,
-    /// What it does to kernels.
-    pub why: &'static str,
 }
 
 /// One mode with the chosen kernels.
@@ -273,10 +249,8 @@ pub fn advise(name: &str, loaded: LoadedScene, question: &Question, progress: &P
     let modes = fastest_mode(&clock, &*prepared, &rays.timed, until(0.75), &|share| parts[2].reach(share))?;
     progress.note(&format!("{name}: score"));
     let judged = |set| prepared.judge(&truth, set, [name, ""], question.max_error);
-    let scored = score(&rays.scored.iter().map(judged).collect::<Vec<_>>());
-    let traits = traits::traits(&scene, &rays.timed)
-        .into_iter()
-        .map(|traits::Trait { name, value, text, decides, why }| TraitRow { name, value, text, decides, why });
+    let judged: Vec<_> = rays.scored.iter().map(judged).collect();
+    let scored = WrongAnswers::of(judged.iter()).map(Score::new);
     let cheaper = shapes.iter().rev().find_map(|shape| {
         let cheaper = &shape.choice.candidates[shape.choice.cheaper?];
         Some((shape.family, cheaper.id.clone()))
@@ -312,7 +286,7 @@ pub fn advise(name: &str, loaded: LoadedScene, question: &Question, progress: &P
         shapes,
         scored,
         modes: modes.rows,
-        traits: traits.collect(),
+        traits: traits::traits(&scene, &rays.timed),
         models,
         simpler,
         simpler_scene,
@@ -349,7 +323,6 @@ fn shape_advice(family: &'static str, choice: Choice) -> ShapeAdvice {
             ("cheaper", choice.cheaper == Some(number)),
             ("more careful", choice.careful == Some(number)),
         ];
-        let edges = candidate.at_edges.unwrap_or(Rate { events: 0, of: 0 });
         let own = Pair::of_tracer();
         let base = choice.candidates.iter().find(|other| [&own.triangle, &own.quadric].contains(&&other.id));
         let gain = base.and_then(|base| candidate.gain_over(base));
@@ -363,12 +336,7 @@ fn shape_advice(family: &'static str, choice: Choice) -> ShapeAdvice {
             },
             roles: roles.into_iter().filter(|(_, is)| *is).map(|(role, _)| role).collect(),
             on_frontier: choice.frontier.contains(&number),
-            rays: candidate.wrong.of,
-            wrong: candidate.wrong.events,
-            wrong_per_million: candidate.wrong.interval(),
-            edge_rays: edges.of,
-            edge_wrong: edges.events,
-            displacement_p99: candidate.displacement,
+            score: Score::new(candidate.answers),
             ns_per_ray: candidate.time().map_or(f64::NAN, |time| time.value),
             gain: gain(|gain| gain.value),
             gain_low: gain(|gain| gain.low),
@@ -379,17 +347,17 @@ fn shape_advice(family: &'static str, choice: Choice) -> ShapeAdvice {
     ShapeAdvice { family, kernels, choice }
 }
 
-/// The wrong rays of all rows together; `None` without rows.
-fn score(rows: &[OnSceneRow]) -> Option<Score> {
-    let of = |edges: bool| rows.iter().filter(move |row| (row.rays == EDGES) == edges);
-    let rate = |edges: bool| Rate::sum(of(edges).filter_map(|row| Rate::of_events(row.wrong(), row.ray_count)));
-    let (pictures, edges) = (rate(false)?, rate(true).unwrap_or(Rate { events: 0, of: 0 }));
-    Some(Score {
-        rays: pictures.of,
-        wrong: pictures.events,
-        wrong_per_million: pictures.interval(),
-        edge_rays: edges.of,
-        edge_wrong: edges.events,
-        displacement_p99: of(false).map(|row| row.displacement_p99).fold(0.0, f64::max),
-    })
+impl Score {
+    fn new(answers: WrongAnswers) -> Self {
+        let WrongAnswers { wrong, at_edges, displacement } = answers;
+        let edges = at_edges.unwrap_or(Rate { events: 0, of: 0 });
+        Self {
+            rays: wrong.of,
+            wrong: wrong.events,
+            wrong_per_million: wrong.interval(),
+            edge_rays: edges.of,
+            edge_wrong: edges.events,
+            displacement_p99: displacement,
+        }
+    }
 }

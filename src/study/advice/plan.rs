@@ -10,8 +10,7 @@ use super::Advice;
 use crate::error::quoted;
 use crate::files::{Input, write_atomically};
 use crate::geom::{Quadric, Triangle};
-use crate::kernels::{Kernel, Shape};
-use crate::registry::{self, Registered, Task};
+use crate::registry;
 use crate::tracer::{Error, Mode};
 
 /// Kernels and mode for a scene.
@@ -76,8 +75,8 @@ impl Plan {
         let [kernel, quadric_kernel] = [&file.kernel, &file.quadric_kernel];
         let mode = Mode::ALL.into_iter().find(|mode| mode.name() == file.mode.get_ref());
         Ok(Self {
-            kernel: id::<Triangle>(kernel.get_ref()).ok_or_else(|| unknown(kernel, "triangle kernel"))?,
-            quadric_kernel: id::<Quadric>(quadric_kernel.get_ref())
+            kernel: registry::id_of::<Triangle>(kernel.get_ref()).ok_or_else(|| unknown(kernel, "triangle kernel"))?,
+            quadric_kernel: registry::id_of::<Quadric>(quadric_kernel.get_ref())
                 .ok_or_else(|| unknown(quadric_kernel, "quadric kernel"))?,
             mode: mode.ok_or_else(|| {
                 let names = Mode::ALL.map(Mode::name).join(", ");
@@ -86,18 +85,6 @@ impl Plan {
             })?,
         })
     }
-}
-
-/// The ID of a registered kernel.
-fn id<S: Registered>(name: &str) -> Option<&'static str> {
-    struct IdOf;
-    impl<S: Shape> Task<S> for IdOf {
-        type Output = &'static str;
-        fn run<K: Kernel<Shape = S>>(self) -> &'static str {
-            K::INFO.id.method
-        }
-    }
-    registry::with_kernel::<S, _>(name, IdOf)
 }
 
 #[cfg(test)]

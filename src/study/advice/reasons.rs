@@ -63,7 +63,7 @@ fn of_shape(advice: &Advice, shape: &ShapeAdvice) -> Vec<String> {
             "{why} {all} {family} kernels {}. Wrong least often is {}: {}.{}",
             need(advice),
             least.name(),
-            rate(least.wrong),
+            rate(least.answers.wrong),
             if open { " A larger --budget gives more rays." } else { "" }
         ));
         return lines;
@@ -80,7 +80,7 @@ fn of_shape(advice: &Advice, shape: &ShapeAdvice) -> Vec<String> {
         "Of {all} {family} kernels, {} is the fastest one that {}: {}.{tie}",
         chosen.name(),
         need(advice),
-        rate(chosen.wrong)
+        rate(chosen.answers.wrong)
     ));
     let other = |number: Option<usize>| number.map(|number| &choice.candidates[number]);
     if let Some(runner_up) = other(choice.runner_up).filter(|_| choice.ties.is_empty()) {
@@ -103,20 +103,21 @@ fn loss(choice: &Choice, cheaper: &Candidate, chosen: &Candidate) -> String {
         "Cheaper: {} is {} as fast, and gets {} wrong.{doubt}",
         cheaper.name(),
         gain(cheaper.gain_over(chosen)),
-        rate(cheaper.wrong)
+        rate(cheaper.answers.wrong)
     )
 }
 
 /// What a more careful kernel costs, and what it gives.
 fn price(careful: &Candidate, chosen: &Candidate) -> String {
-    let edges = |candidate: &Candidate| candidate.at_edges.map_or("none".into(), rate);
-    let ties_at_edges = careful.at_edges.zip(chosen.at_edges).is_none_or(|(own, other)| own.ties_with(other));
-    let gives = if careful.wrong.ties_with(chosen.wrong) && ties_at_edges {
+    let edges = |candidate: &Candidate| candidate.answers.at_edges.map_or("none".into(), rate);
+    let ties_at_edges =
+        careful.answers.at_edges.zip(chosen.answers.at_edges).is_none_or(|(own, other)| own.ties_with(other));
+    let gives = if careful.answers.wrong.ties_with(chosen.answers.wrong) && ties_at_edges {
         "These rays show no difference, but it claims to be always right.".to_owned()
-    } else if careful.wrong.ties_with(chosen.wrong) {
+    } else if careful.answers.wrong.ties_with(chosen.answers.wrong) {
         format!("Aimed at edges, it gets {} wrong, and {} {}.", edges(careful), chosen.name(), edges(chosen))
     } else {
-        format!("It gets {} wrong.", rate(careful.wrong))
+        format!("It gets {} wrong.", rate(careful.answers.wrong))
     };
     format!("More careful: {} takes {} the time. {gives}", careful.name(), gain(chosen.gain_over(careful)))
 }

@@ -52,17 +52,37 @@ pub(crate) enum Standing {
     Fails,
 }
 
-/// One kernel in one scene.
-#[derive(Clone, Debug)]
-pub(crate) struct Candidate {
-    /// Kernel ID.
-    pub(crate) id: String,
-    /// Wrong rays of pictures: lost, falsely hit, or displaced.
+/// Wrong answers: rays that are lost, falsely hit, or displaced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WrongAnswers {
+    /// Wrong rays of pictures, or of a file.
     pub(crate) wrong: Rate,
     /// Wrong rays of those aimed at edges.
     pub(crate) at_edges: Option<Rate>,
     /// Displacement of right hits: 99 % of each set have at most this. See [`OnSceneRow::displacement_p99`].
     pub(crate) displacement: f64,
+}
+
+impl WrongAnswers {
+    /// Those of all rows together; `None` without rays of pictures.
+    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a OnSceneRow> + Clone) -> Option<Self> {
+        let of = |edges: bool| rows.clone().filter(move |row| (row.rays == EDGES) == edges);
+        let rate = |edges| Rate::sum(of(edges).filter_map(|row| Rate::of_events(row.wrong(), row.ray_count)));
+        Some(Self {
+            wrong: rate(false)?,
+            at_edges: rate(true),
+            displacement: of(false).map(|row| row.displacement_p99).fold(0.0, f64::max),
+        })
+    }
+}
+
+/// One kernel in one scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    /// Kernel ID.
+    pub(crate) id: String,
+    /// How often it is wrong.
+    pub(crate) answers: WrongAnswers,
     /// Nanoseconds per ray, over all rays of a picture, in each round.
     pub(crate) ns: Samples,
     /// What the kernel claims.
@@ -88,11 +108,10 @@ impl Candidate {
     }
 
     fn new(id: &str, judged: &[&OnSceneRow], timed: &[&SceneSpeedRow], claims: Vec<String>) -> Option<Self> {
-        let rows = |edges: bool| judged.iter().filter(move |row| row.kernel == id && (row.rays == EDGES) == edges);
-        let rate = |edges| Rate::sum(rows(edges).filter_map(|row| Rate::of_events(row.wrong(), row.ray_count)));
+        let rows = judged.iter().copied().filter(|row| row.kernel == id);
         let timed: Vec<_> = timed.iter().filter(|row| row.kernel == id).collect();
         let weight = |speed: &SceneSpeedRow| {
-            let same = rows(false).find(|row| row.rays == speed.rays);
+            let same = rows.clone().find(|row| row.rays == speed.rays);
             same.map_or(0.0, |row| row.ray_count as f64)
         };
         let all: f64 = timed.iter().map(|row| weight(row)).sum();
@@ -103,14 +122,7 @@ impl Candidate {
         let groups = timed.first()?.ns_of_rounds.groups().iter().enumerate();
         let ns: Vec<Vec<f64>> =
             groups.map(|(group, rounds)| (0..rounds.len()).map(|round| mean(group, round)).collect()).collect();
-        Some(Self {
-            id: id.into(),
-            wrong: rate(false)?,
-            at_edges: rate(true),
-            displacement: rows(false).map(|row| row.displacement_p99).fold(0.0, f64::max),
-            ns: Samples::new(&ns),
-            claims,
-        })
+        Some(Self { id: id.into(), answers: WrongAnswers::of(rows.clone())?, ns: Samples::new(&ns), claims })
     }
 
     /// The name without the family.
@@ -140,16 +152,18 @@ impl Candidate {
     /// Whether it meets a need.
     pub(crate) fn standing(&self, need: Need) -> Standing {
         if need.max_wrong == 0.0 {
-            let errs = [Some(self.wrong), self.at_edges].into_iter().flatten().any(|rate| rate.events > 0);
+            let errs =
+                [Some(self.answers.wrong), self.answers.at_edges].into_iter().flatten().any(|rate| rate.events > 0);
             return if errs || !self.claims_to_be_right() { Standing::Fails } else { Standing::Meets };
         }
-        need.standing(self.wrong)
+        need.standing(self.answers.wrong)
     }
 
     /// Whether it is wrong less often than another kernel, beyond chance, in pictures or at edges, and nowhere more
     /// often. If they tie, a kernel that claims to be right always is more right than one that does not.
     pub(crate) fn is_more_right_than(&self, other: &Self) -> bool {
-        let sides = [Some((self.wrong, other.wrong)), self.at_edges.zip(other.at_edges)];
+        let sides =
+            [Some((self.answers.wrong, other.answers.wrong)), self.answers.at_edges.zip(other.answers.at_edges)];
         let differing = sides.into_iter().flatten().filter(|(own, other)| !own.ties_with(*other));
         let less: Vec<bool> = differing.map(|(own, other)| own.per_million() < other.per_million()).collect();
         match &less[..] {
@@ -163,9 +177,10 @@ impl Candidate {
     /// Whether it is [more right](Self::is_more_right_than) by so much that it may be worth its price: in pictures, or
     /// [many times](CAREFUL) at edges, or by its claims.
     fn is_more_careful_than(&self, other: &Self) -> bool {
-        let at_edges = self.at_edges.zip(other.at_edges).filter(|(own, other)| !own.ties_with(*other));
+        let at_edges = self.answers.at_edges.zip(other.answers.at_edges).filter(|(own, other)| !own.ties_with(*other));
         let is_small = |(own, other): (Rate, Rate)| CAREFUL * own.per_million() <= other.per_million();
-        self.is_more_right_than(other) && (!self.wrong.ties_with(other.wrong) || at_edges.is_none_or(is_small))
+        self.is_more_right_than(other)
+            && (!self.answers.wrong.ties_with(other.answers.wrong) || at_edges.is_none_or(is_small))
     }
 }
 
@@ -212,7 +227,7 @@ impl Choice {
         };
         let chosen = tied.iter().copied().filter(hardly_slower).min_by(|&a, &b| {
             let [a, b] = [a, b].map(|number| &candidates[number]);
-            let at_edges = |candidate: &Candidate| candidate.at_edges.map_or(0.0, Rate::per_million);
+            let at_edges = |candidate: &Candidate| candidate.answers.at_edges.map_or(0.0, Rate::per_million);
             let claims = b.claims_to_be_right().cmp(&a.claims_to_be_right());
             claims.then(at_edges(a).total_cmp(&at_edges(b))).then(b.claims.len().cmp(&a.claims.len()))
         });
@@ -285,9 +300,11 @@ mod tests {
         let rounds = [0.99, 1.0, 1.01, 1.0, 1.0].map(|noise| noise * ns);
         Candidate {
             id: format!("triangle/{name}"),
-            wrong: Rate::of_events(wrong, RAYS).unwrap(),
-            at_edges: Rate::of_events(at_edges, RAYS),
-            displacement: 1e-7,
+            answers: WrongAnswers {
+                wrong: Rate::of_events(wrong, RAYS).unwrap(),
+                at_edges: Rate::of_events(at_edges, RAYS),
+                displacement: 1e-7,
+            },
             ns: Samples::new(&[rounds.into()]),
             claims: claims.iter().map(|claim| claim.name().into()).collect(),
         }
@@ -325,7 +342,7 @@ mod tests {
         let none = Choice::new(five(), Need { max_wrong: 0.0 }).unwrap();
         assert_eq!((none.chosen().unwrap().name(), none.careful), ("exact", None));
         let mut at_edges = five();
-        at_edges[0].at_edges = Rate::of_events(1, RAYS);
+        at_edges[0].answers.at_edges = Rate::of_events(1, RAYS);
         assert_eq!(Choice::new(at_edges, Need { max_wrong: 0.0 }).unwrap().chosen, None);
         assert!(Choice::new(Vec::new(), Need { max_wrong: 1.0 }).is_none());
     }
@@ -364,7 +381,8 @@ mod tests {
             assert_eq!(standing(wrong), expected, "{wrong}");
         }
         assert_eq!(standing(18), Standing::Fails);
-        let few = Candidate { wrong: Rate::of_events(0, 1000).unwrap(), ..candidate("x", 1.0, 0, 0, &[]) };
+        let mut few = candidate("x", 1.0, 0, 0, &[]);
+        few.answers.wrong = Rate::of_events(0, 1000).unwrap();
         assert_eq!(few.standing(Need { max_wrong: 10.0 }), Standing::Open, "few rays show nothing");
     }
 
@@ -412,8 +430,11 @@ mod tests {
         let (judged, timed): (Vec<_>, Vec<_>) = (judged.iter().collect(), timed.iter().collect());
         let candidates = Candidate::all("triangle", &judged, &timed, &|_| vec!["single-hit".into()]);
         let [woop] = &candidates[..] else { panic!("{candidates:?}") };
-        assert_eq!((woop.wrong, woop.at_edges), (Rate { events: 8, of: 4000 }, Rate::of_events(8, 500)));
-        assert_eq!(woop.displacement, 2e-6);
+        assert_eq!(
+            (woop.answers.wrong, woop.answers.at_edges),
+            (Rate { events: 8, of: 4000 }, Rate::of_events(8, 500))
+        );
+        assert_eq!(woop.answers.displacement, 2e-6);
         // Three quarters of the rays of a picture are primary rays.
         assert_eq!(woop.ns.groups(), [vec![20.0, 40.0], vec![60.0]]);
         assert_eq!(woop.claims, ["single-hit"]);

@@ -84,7 +84,7 @@ impl<'a> SceneTruth<'a> {
         }
         let world_box = |placement: &Placement| {
             let bounds = trees[placement.geometry as usize].bounds();
-            let transform = in_f64(&placement.object_to_world);
+            let transform = placement.object_to_world.as_daffine3();
             let corner = |which: usize| DVec3::from_array(std::array::from_fn(|axis| bounds[which >> axis & 1][axis]));
             let corners = (0..8).map(|which| transform.transform_point3(corner(which)));
             corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], corner| [lo.min(corner), hi.max(corner)])
@@ -93,7 +93,7 @@ impl<'a> SceneTruth<'a> {
         let sizes = boxes.iter().map(|[lo, hi]| lo.distance(*hi)).collect();
         let instances = Tree::new(boxes.into_iter());
         let to_object =
-            world.instances().iter().map(|placement| in_f64(&placement.object_to_world).inverse()).collect();
+            world.instances().iter().map(|placement| placement.object_to_world.as_daffine3().inverse()).collect();
         Self { world, first_primitive, trees, to_object, instances, sizes }
     }
 
@@ -178,7 +178,7 @@ impl<'a> SceneTruth<'a> {
     pub(crate) fn vertices(&self, hit: &Hit<f32>) -> Option<[Vec3; 3]> {
         let place = Place { instance: hit.instance, primitive: hit.primitive };
         let Shape::Triangle(triangle) = hit.mask.then(|| self.shape(place))? else { return None };
-        let transform = in_f64(&self.world.instances()[hit.instance as usize].object_to_world);
+        let transform = self.world.instances()[hit.instance as usize].object_to_world.as_daffine3();
         Some(triangle.vertices().map(|vertex| transform.transform_point3(vertex.as_dvec3()).as_vec3()))
     }
 
@@ -257,10 +257,6 @@ fn inside_disc(disc: &Disc, origin: DVec3, dir: DVec3) -> Option<bool> {
     let t = (f64::from(disc.height) - origin.z) / dir.z;
     let distance = (origin + dir * t).truncate().length() / f64::from(disc.radius);
     ((distance - 1.0).abs() > 1e-9).then_some(distance < 1.0)
-}
-
-fn in_f64(transform: &Affine3) -> DAffine3 {
-    DAffine3 { matrix3: transform.matrix3.as_dmat3(), translation: transform.translation.as_dvec3() }
 }
 
 fn primitive_box(geometry: &Geometry, number: u32) -> [DVec3; 2] {

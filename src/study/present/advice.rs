@@ -128,7 +128,7 @@ fn grid(shape: &ShapeAdvice, all: bool) -> Grid {
 }
 
 fn row(row: &KernelRow) -> Vec<Cell> {
-    let [low, high] = row.wrong_per_million.map(|end| number(end, 2));
+    let [low, high] = row.score.wrong_per_million.map(|end| number(end, 2));
     let rate = |wrong, of| Rate::of_events(wrong, of).map_or(String::new(), |rate| number(rate.per_million(), 2));
     let is_chosen = row.roles.contains(&"chosen");
     let name = row.id.rsplit('/').next().unwrap_or(&row.id);
@@ -136,10 +136,10 @@ fn row(row: &KernelRow) -> Vec<Cell> {
         Cell::from(name).best_if(is_chosen),
         Cell::from(format!("{:.2}", row.gain)).best_if(is_chosen),
         format!("{:.2}–{:.2}", row.gain_low, row.gain_high).into(),
-        Cell::from(rate(row.wrong, row.rays)).bad_if(row.standing == "fails"),
+        Cell::from(rate(row.score.wrong, row.score.rays)).bad_if(row.standing == "fails"),
         format!("{low}–{high}").into(),
-        rate(row.edge_wrong, row.edge_rays).into(),
-        number(row.displacement_p99, 2).into(),
+        rate(row.score.edge_wrong, row.score.edge_rays).into(),
+        number(row.score.displacement_p99, 2).into(),
         row.roles.join(", ").into(),
     ]
 }

@@ -16,6 +16,8 @@ mod hits;
 mod transforms;
 mod triangles;
 
+use serde::Serialize;
+
 use crate::study::figures::{count, number, severity};
 use crate::study::measure::built_scene::TracerKernel;
 use crate::study::measure::ray_sets::RaySet;
@@ -35,18 +37,18 @@ const MAX_OFFSET: f64 = 1e3;
 const EXTENTS: [[f64; 2]; 2] = [[1e-12, 1e12], [1e-9, 1e6]];
 
 /// One measured property of a scene or of its rays.
-#[derive(Clone, Debug)]
-pub(crate) struct Trait {
+#[derive(Clone, Debug, Serialize)]
+pub struct Trait {
     /// Its name, unique among the traits of a scene.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// The figure that decides. It may be infinite.
-    pub(crate) value: f64,
+    pub value: f64,
     /// The figure in words, in one line.
-    pub(crate) text: String,
+    pub text: String,
     /// Whether the figure is beyond the limit from which some kernel fails.
-    pub(crate) decides: bool,
+    pub decides: bool,
     /// What it does to kernels: one sentence.
-    pub(crate) why: &'static str,
+    pub why: &'static str,
 }
 
 impl Trait {

@@ -57,17 +57,18 @@ fn choice(record: &Record, scene: &str, family: &str) -> Option<Choice> {
 
 fn row(scene: &str, choice: &Choice) -> Vec<Cell> {
     let missing = || Cell::from(MISSING);
-    let edges = |candidate: &Candidate| Cell::from(candidate.at_edges.map_or(MISSING.into(), |rate| rate.to_string()));
+    let edges =
+        |candidate: &Candidate| Cell::from(candidate.answers.at_edges.map_or(MISSING.into(), |rate| rate.to_string()));
     let Some(chosen) = choice.chosen() else {
         let least = choice.least_wrong();
         let open = choice.standings.contains(&Standing::Open);
         let text = if open { "cannot be told from these rays" } else { "none" };
-        let wrong = format!("{} ({}: {})", text, least.name(), interval(least.wrong));
+        let wrong = format!("{} ({}: {})", text, least.name(), interval(least.answers.wrong));
         let mut row = vec![scene.into(), text.into(), wrong.into()];
         row.resize_with(10, missing);
         return row;
     };
-    let mut row = vec![Cell::from(scene), code(&chosen.id), interval(chosen.wrong).into(), edges(chosen)];
+    let mut row = vec![Cell::from(scene), code(&chosen.id), interval(chosen.answers.wrong).into(), edges(chosen)];
     match choice.careful.map(|number| &choice.candidates[number]) {
         Some(careful) => {
             let takes = times(chosen.gain_over(careful).map(|gain| gain.value));
@@ -78,7 +79,7 @@ fn row(scene: &str, choice: &Choice) -> Vec<Cell> {
     match choice.cheaper.map(|number| &choice.candidates[number]) {
         Some(cheaper) => {
             let speed = times(cheaper.gain_over(chosen).map(|gain| gain.value));
-            row.extend([code(cheaper.name()), speed.into(), interval(cheaper.wrong).into()]);
+            row.extend([code(cheaper.name()), speed.into(), interval(cheaper.answers.wrong).into()]);
         }
         None => row.extend([missing(), missing(), missing()]),
     }
